@@ -1,0 +1,143 @@
+//! The body: the closed surface to dress, and how far a point is from it.
+
+mod distance_field;
+mod validate;
+mod winding;
+
+pub use distance_field::{DistanceField, Sample};
+
+use crate::geometry::{BoxTree, Vector3, closest_on_triangle};
+use crate::{Error, Warning};
+
+/// A closed, outward-facing triangle mesh, m, y up, facing +z.
+pub struct Body {
+    positions: Vec<Vector3>,
+    triangles: Vec<[u32; 3]>,
+    tree: BoxTree,
+}
+
+/// The point of the body that is nearest to some other point.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    pub triangle: u32,
+    pub weights: [f64; 3],
+    /// m, world.
+    pub point: Vector3,
+    /// m, not negative; [`Body::winding_number`] tells the side.
+    pub distance: f64,
+}
+
+impl Body {
+    /// Checks and takes over a mesh. The warnings name what is doubtful.
+    pub fn new(positions: Vec<Vector3>, triangles: Vec<[u32; 3]>) -> Result<(Self, Vec<Warning>), Error> {
+        let warnings = validate::validate(&positions, &triangles)?;
+        let tree = BoxTree::of_triangles(triangles.iter().map(|t| t.map(|v| positions[v as usize])), 0.0);
+        Ok((Self { positions, triangles, tree }, warnings))
+    }
+
+    /// m, world; one per vertex.
+    pub fn positions(&self) -> &[Vector3] {
+        &self.positions
+    }
+
+    /// Vertices of each triangle, counter-clockwise from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    pub fn corners(&self, triangle: u32) -> [Vector3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The lowest and highest coordinates, m.
+    pub fn bounds(&self) -> (Vector3, Vector3) {
+        let low = self.positions.iter().fold(Vector3::repeat(f64::INFINITY), |a, p| a.inf(p));
+        let high = self.positions.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
+        (low, high)
+    }
+
+    /// The nearest point of the surface, if one is within `reach`, m.
+    pub fn nearest(&self, point: Vector3, reach: f64) -> Option<Nearest> {
+        let on = |index: u32| {
+            let corners = self.corners(index);
+            let weights = closest_on_triangle(point, corners);
+            (weights, corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2])
+        };
+        let (triangle, squared) = self.tree.nearest(point, reach, |index| (on(index).1 - point).norm_squared())?;
+        let (weights, point) = on(triangle);
+        Some(Nearest { triangle, weights, point, distance: squared.sqrt() })
+    }
+
+    /// Calls `visit` with every triangle whose box meets the box `low..high`.
+    pub fn for_each_meeting(&self, low: Vector3, high: Vector3, visit: impl FnMut(u32)) {
+        self.tree.for_each_meeting(low, high, visit);
+    }
+
+    /// Is the point inside? Regions that the surface covers twice, where skin passes through skin,
+    /// are inside as well.
+    pub fn contains(&self, point: Vector3) -> bool {
+        self.winding_number(point) > 0
+    }
+
+    /// Distance to the surface, m, negative inside; exact, for when the field's accuracy is not enough.
+    pub fn signed_distance(&self, point: Vector3) -> f64 {
+        let distance = self.nearest(point, f64::INFINITY).map_or(f64::INFINITY, |n| n.distance);
+        if self.contains(point) { -distance } else { distance }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod shapes {
+    //! Small bodies for tests.
+
+    use super::*;
+
+    /// A sphere of latitude rings around `center`, outward; `rings` by `2 * rings` quads.
+    pub fn sphere(center: Vector3, radius: f64, rings: u32) -> (Vec<Vector3>, Vec<[u32; 3]>) {
+        let columns = 2 * rings;
+        let mut positions = vec![center + Vector3::y() * radius];
+        for i in 1..rings {
+            let polar = std::f64::consts::PI * f64::from(i) / f64::from(rings);
+            for j in 0..columns {
+                let azimuth = std::f64::consts::TAU * f64::from(j) / f64::from(columns);
+                let (sin, cos) = polar.sin_cos();
+                positions.push(center + Vector3::new(sin * azimuth.sin(), cos, sin * azimuth.cos()) * radius);
+            }
+        }
+        let last = positions.len() as u32;
+        positions.push(center - Vector3::y() * radius);
+        let at = |i: u32, j: u32| 1 + (i - 1) * columns + j % columns;
+        let mut triangles = Vec::new();
+        for j in 0..columns {
+            triangles.push([0, at(1, j), at(1, j + 1)]);
+            triangles.push([last, at(rings - 1, j + 1), at(rings - 1, j)]);
+            for i in 1..rings - 1 {
+                triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        (positions, triangles)
+    }
+
+    /// A ball of one metre diameter that stands on the floor: a plausible size for a body.
+    pub fn ball() -> Body {
+        let (positions, triangles) = sphere(Vector3::new(0.0, 0.5, 0.0), 0.5, 40);
+        Body::new(positions, triangles).unwrap().0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_of_a_ball() {
+        let ball = shapes::ball();
+        let center = Vector3::new(0.0, 0.5, 0.0);
+        for direction in [Vector3::x(), Vector3::new(0.3, -0.5, 0.8).normalize()] {
+            assert!((ball.signed_distance(center + direction * 0.6) - 0.1).abs() < 2e-3);
+            assert!((ball.signed_distance(center + direction * 0.4) + 0.1).abs() < 2e-3);
+        }
+        assert!(ball.nearest(center + Vector3::x() * 0.6, 0.05).is_none());
+    }
+}

@@ -1,0 +1,197 @@
+//! Is a mesh a body that can be dressed?
+
+use crate::geometry::Vector3;
+use crate::{Error, Warning};
+
+/// Bodies from infants' to giants', m.
+const HEIGHTS: std::ops::RangeInclusive<f64> = 0.3..=3.0;
+/// How far below or above the floor the feet may stand before it is worth a word, m.
+const FLOOR_TOLERANCE: f64 = 0.05;
+/// How many bad edges are listed in a message.
+const MOST_LISTED: usize = 3;
+
+/// The first fault that keeps a mesh from being dressed; else what is doubtful about it.
+pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
+    if positions.is_empty() || triangles.is_empty() {
+        return Err(Error::new("The body has no triangles.", "Give an OBJ file with a closed triangle mesh of the body."));
+    }
+    for (k, p) in positions.iter().enumerate() {
+        if !p.iter().all(|c| c.is_finite()) {
+            return Err(Error::new(
+                format!("Vertex {} has a coordinate that is not a finite number.", k + 1),
+                "Export the body again.",
+            ));
+        }
+    }
+    for (k, t) in triangles.iter().enumerate() {
+        if t.iter().any(|&v| v as usize >= positions.len()) {
+            return Err(Error::new(
+                format!("Triangle {} names a vertex that does not exist.", k + 1),
+                "Export the body again.",
+            ));
+        }
+    }
+    check_size(positions)?;
+    check_closed(triangles)?;
+    if volume(positions, triangles) < 0.0 {
+        return Err(Error::new(
+            "The body is inside out: its triangles face inwards.",
+            "Flip the normals of the mesh in the program that made it, and export it again.",
+        ));
+    }
+    check_upright(positions, triangles)
+}
+
+fn extent(positions: &[Vector3]) -> (Vector3, Vector3) {
+    let low = positions.iter().fold(Vector3::repeat(f64::INFINITY), |a, p| a.inf(p));
+    let high = positions.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
+    (low, high)
+}
+
+fn check_size(positions: &[Vector3]) -> Result<(), Error> {
+    let (low, high) = extent(positions);
+    let size = (high - low).max();
+    if HEIGHTS.contains(&size) {
+        return Ok(());
+    }
+    let remedy = match size {
+        s if HEIGHTS.contains(&(s / 100.0)) => "It seems to be in centimetres: scale it by 0.01.".to_owned(),
+        s if HEIGHTS.contains(&(s / 1000.0)) => "It seems to be in millimetres: scale it by 0.001.".to_owned(),
+        s if HEIGHTS.contains(&(s * 0.0254)) => "It seems to be in inches: scale it by 0.0254.".to_owned(),
+        _ => format!("Bodies are in metres, from {} to {} m tall.", HEIGHTS.start(), HEIGHTS.end()),
+    };
+    Err(Error::new(format!("The body is {size:.4} m tall."), remedy))
+}
+
+/// Every edge must be run through once in each direction.
+fn check_closed(triangles: &[[u32; 3]]) -> Result<(), Error> {
+    let mut sides: Vec<[u32; 2]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    sides.sort_unstable();
+    if let Some(w) = sides.windows(2).find(|w| w[0] == w[1]) {
+        return Err(Error::new(
+            format!("The edge between vertices {} and {} belongs to triangles that face opposite ways, or to more than two.", w[0][0] + 1, w[0][1] + 1),
+            "Make the mesh a manifold with all its normals outward.",
+        ));
+    }
+    let open: Vec<[u32; 2]> = sides.iter().filter(|[a, b]| sides.binary_search(&[*b, *a]).is_err()).copied().collect();
+    if open.is_empty() {
+        return Ok(());
+    }
+    let listed: Vec<String> = open.iter().take(MOST_LISTED).map(|[a, b]| format!("{}-{}", a + 1, b + 1)).collect();
+    Err(Error::new(
+        format!("The body is not closed: {} edges have a triangle on one side only ({}, as vertex numbers).", open.len(), listed.join(", ")),
+        "Close the holes. Vertices split at texture seams must be merged before export, without merging others.",
+    ))
+}
+
+fn volume(positions: &[Vector3], triangles: &[[u32; 3]]) -> f64 {
+    let corner = |v: u32| positions[v as usize];
+    triangles.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0).sum()
+}
+
+/// Is y up, and the head above the feet?
+fn check_upright(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
+    let (low, high) = extent(positions);
+    let size = high - low;
+    if size.z > 1.2 * size.y && size.z > size.x {
+        return Err(Error::new(
+            format!("The body lies along z: it is {:.2} m long there and {:.2} m high in y.", size.z, size.y),
+            "Turn it so that y is up and it faces +z; many programs have z up and offer y up on export.",
+        ));
+    }
+    // Just above the floor a standing body is two feet, just below the crown it is one head.
+    let parts_at = |fraction: f64| slice_parts(positions, triangles, low.y + fraction * size.y);
+    if parts_at(0.97) >= 2 && parts_at(0.03) == 1 {
+        return Err(Error::new(
+            "The body stands on its head.",
+            "Turn it so that its feet are at y = 0 and its head is up.",
+        ));
+    }
+    let mut warnings = Vec::new();
+    if low.y.abs() > FLOOR_TOLERANCE {
+        warnings.push(Warning(Error::new(
+            format!("The body's lowest point is at y = {:.3} m.", low.y),
+            "Bodies stand on the floor at y = 0; check that the pattern was placed for this body.",
+        )));
+    }
+    Ok(warnings)
+}
+
+/// Into how many separate outlines a horizontal plane cuts the mesh.
+fn slice_parts(positions: &[Vector3], triangles: &[[u32; 3]], height: f64) -> usize {
+    let mut sets = crate::geometry::UnionFind::new(triangles.len());
+    let above = |v: u32| positions[v as usize].y > height;
+    let mut cut_edges: Vec<([u32; 2], u32)> = Vec::new();
+    let mut cut = Vec::new();
+    for (t, &[a, b, c]) in triangles.iter().enumerate() {
+        let before = cut_edges.len();
+        for [p, q] in [[a, b], [b, c], [c, a]] {
+            if above(p) != above(q) {
+                cut_edges.push(([p.min(q), p.max(q)], t as u32));
+            }
+        }
+        if cut_edges.len() > before {
+            cut.push(t as u32);
+        }
+    }
+    cut_edges.sort_unstable();
+    for w in cut_edges.windows(2).filter(|w| w[0].0 == w[1].0) {
+        sets.union(w[0].1, w[1].1);
+    }
+    cut.iter().filter(|&&t| sets.find(t) == t).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::sphere;
+    use super::*;
+
+    fn ball(scale: f64) -> (Vec<Vector3>, Vec<[u32; 3]>) {
+        sphere(Vector3::new(0.0, 0.5 * scale, 0.0), 0.5 * scale, 12)
+    }
+
+    fn problem(positions: &[Vector3], triangles: &[[u32; 3]]) -> Error {
+        validate(positions, triangles).unwrap_err()
+    }
+
+    #[test]
+    fn a_body_in_centimetres_is_told_so() {
+        let (positions, triangles) = ball(172.0);
+        assert!(problem(&positions, &triangles).remedy().contains("centimetres"));
+    }
+
+    #[test]
+    fn holes_and_inward_triangles_are_found() {
+        let (positions, mut triangles) = ball(1.0);
+        assert!(validate(&positions, &triangles).unwrap().is_empty());
+        let inward: Vec<_> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        assert!(problem(&positions, &inward).problem().contains("inside out"));
+        triangles.pop();
+        assert!(problem(&positions, &triangles).problem().contains("not closed"));
+    }
+
+    #[test]
+    fn a_body_on_its_head_is_found() {
+        // Two legs and a head, as three balls.
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for (center, radius) in [([0.0, 1.2, 0.0], 0.4), ([0.3, 0.4, 0.0], 0.25), ([-0.3, 0.4, 0.0], 0.25)] {
+            let (more, faces) = sphere(Vector3::from(center), radius, 12);
+            let offset = positions.len() as u32;
+            positions.extend(more);
+            triangles.extend(faces.iter().map(|t| t.map(|v| v + offset)));
+        }
+        assert!(validate(&positions, &triangles).is_ok());
+        for p in &mut positions {
+            *p = Vector3::new(p.x, 1.75 - p.y, -p.z);
+        }
+        assert!(problem(&positions, &triangles).problem().contains("head"));
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_found() {
+        let (mut positions, triangles) = ball(1.0);
+        positions[3].x = f64::NAN;
+        assert!(problem(&positions, &triangles).problem().contains("Vertex 4"));
+    }
+}

@@ -1,0 +1,7 @@
+//! Keeping cloth clear of the body and of itself.
+
+mod body_contact;
+mod self_contact;
+
+pub use body_contact::{BodyContact, BodyContactSettings};
+pub use self_contact::{SelfContact, SelfContactSettings};

@@ -1,0 +1,235 @@
+//! The garment: the pattern discretized on all its levels, coarse to fine.
+
+mod correspondence;
+mod level;
+mod order;
+mod outline;
+mod triangulate;
+
+pub use correspondence::{Correspondence, Location};
+pub use level::{Hinge, Level, PanelRange};
+
+use crate::Error;
+use crate::geometry::{UnionFind, Vector3};
+use crate::pattern::{Pattern, Sense};
+use level::panel_hinges;
+use order::morton_order;
+use outline::{Outline, Outlines};
+use triangulate::triangulate;
+
+/// The finest resolution that is of use, m; finer ones are a slip of the unit.
+pub const FINEST_RESOLUTION: f64 = 0.0005;
+/// The coarsest, m: a sleeve has a dozen particles around it.
+pub const COARSEST_RESOLUTION: f64 = 0.1;
+
+/// The pattern discretized on all its levels.
+#[derive(Clone, Debug)]
+pub struct Garment {
+    /// The coarsest discretization with its seams open: panels as they are arranged, stitches to close.
+    pub open: Level,
+    /// Sewn, coarsest first; the first has the points of `open`.
+    pub levels: Vec<Level>,
+    /// `correspondences[k]` locates the points of `levels[k + 1]` on `levels[k]`.
+    pub correspondences: Vec<Correspondence>,
+}
+
+impl Garment {
+    /// Discretizes a pattern at the given resolutions, coarsest first, m.
+    pub fn build(pattern: &Pattern, resolutions: &[f64]) -> Result<Self, Error> {
+        check_resolutions(resolutions)?;
+        let outlines = Outlines::new(pattern, resolutions)?;
+        let mut open = None;
+        let mut levels: Vec<Level> = Vec::new();
+        for (k, &resolution) in resolutions.iter().enumerate() {
+            let unsewn = build_open(pattern, &outlines, k, resolution)?;
+            levels.push(sewn(&unsewn, pattern));
+            if k == 0 {
+                open = Some(unsewn);
+            }
+        }
+        for level in &levels {
+            check_sewn(level, pattern)?;
+        }
+        let correspondences = levels.windows(2).map(|w| Correspondence::new(&w[0], &w[1])).collect();
+        let open = open.expect("there is at least one resolution");
+        Ok(Self { open, levels, correspondences })
+    }
+
+    /// Positions of the coarsest sewn level from those of the open one: partners meet half-way.
+    pub fn weld(&self, positions: &[Vector3]) -> Vec<Vector3> {
+        let first = &self.levels[0];
+        let mut sums = vec![(Vector3::zeros(), 0.0); first.particle_count];
+        for (position, &particle) in positions.iter().zip(&first.particle_of) {
+            sums[particle as usize].0 += position;
+            sums[particle as usize].1 += 1.0;
+        }
+        sums.into_iter().map(|(sum, count)| sum / count).collect()
+    }
+}
+
+/// Particles of the open level where the pattern places its panels, m, world.
+pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
+    let mut positions = Vec::with_capacity(open.rest.len());
+    for (panel, range) in pattern.panels.iter().zip(&open.panels) {
+        positions.extend(open.rest[range.points.clone()].iter().map(|&p| panel.placement.place(p)));
+    }
+    positions
+}
+
+fn check_resolutions(resolutions: &[f64]) -> Result<(), Error> {
+    let range = FINEST_RESOLUTION..=COARSEST_RESOLUTION;
+    if resolutions.is_empty() {
+        return Err(Error::new("No resolution is given.", "Give at least one, such as \"10 mm\"."));
+    }
+    if let Some(bad) = resolutions.iter().find(|r| !range.contains(r)) {
+        return Err(Error::new(
+            format!("A resolution of {} mm cannot be used.", bad * 1e3),
+            format!("Give one from {} mm to {} mm.", FINEST_RESOLUTION * 1e3, COARSEST_RESOLUTION * 1e3),
+        ));
+    }
+    if resolutions.windows(2).any(|w| w[1] >= w[0]) {
+        return Err(Error::new(
+            "The resolutions of the levels do not descend.",
+            "List them from coarse to fine, such as \"40,20,10,5 mm\".",
+        ));
+    }
+    Ok(())
+}
+
+/// All panels at one resolution, every point a particle of its own.
+fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: f64) -> Result<Level, Error> {
+    let mut built = Level {
+        resolution,
+        particle_count: 0,
+        panels: Vec::new(),
+        rest: Vec::new(),
+        particle_of: Vec::new(),
+        triangles: Vec::new(),
+        stitches: Vec::new(),
+        hinges: Vec::new(),
+        seams: Vec::new(),
+    };
+    // Per panel: its outline, and where each outline point went in the spatial order.
+    let mut rims: Vec<(Outline, Vec<u32>)> = Vec::new();
+    for (index, panel) in pattern.panels.iter().enumerate() {
+        let outline = outlines.outline(pattern, index, level);
+        let mesh = triangulate(&outline, resolution).map_err(|e| e.within(format!("panel \"{}\"", panel.name)))?;
+        let (first_point, first_triangle) = (built.rest.len(), built.triangles.len());
+        let order = morton_order(&mesh.points);
+        let mut place = vec![0; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            place[old as usize] = (first_point + new) as u32;
+        }
+        built.rest.extend(order.iter().map(|&old| mesh.points[old as usize]));
+        // A clockwise outline has its right side on -z: its triangles run clockwise too.
+        let turned = panel.signed_area() < 0.0;
+        let mut triangles: Vec<[u32; 3]> = mesh
+            .triangles
+            .iter()
+            .map(|t| if turned { [t[0], t[2], t[1]] } else { *t }.map(|p| place[p as usize]))
+            .map(|t| {
+                let first = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+                [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
+            })
+            .collect();
+        triangles.sort_unstable();
+        built.hinges.extend(panel_hinges(&triangles, first_triangle as u32));
+        built.triangles.extend(triangles);
+        built.panels.push(PanelRange {
+            points: first_point..built.rest.len(),
+            triangles: first_triangle..built.triangles.len(),
+        });
+        place.truncate(outline.points.len());
+        rims.push((outline, place));
+    }
+    built.particle_count = built.rest.len();
+    built.particle_of = (0..built.rest.len() as u32).collect();
+    for seam in &pattern.seams {
+        let side = |k: usize| {
+            let id = seam.sides[k];
+            let (outline, place) = &rims[id.panel];
+            let steps = outline.segments[id.segment].1;
+            let mut points: Vec<u32> = (0..=steps).map(|s| place[outline.point_of(id.segment, s)]).collect();
+            if k == 1 && seam.sense == Sense::Opposed {
+                points.reverse();
+            }
+            points
+        };
+        let sides = [side(0), side(1)];
+        assert_eq!(sides[0].len(), sides[1].len(), "both sides of a seam have the same number of points");
+        // The tip of a dart meets itself.
+        let pairs = sides[0].iter().zip(&sides[1]).filter(|(a, b)| a != b).map(|(&a, &b)| [a, b]);
+        built.stitches.extend(pairs);
+        built.seams.push(sides);
+    }
+    Ok(built)
+}
+
+/// The same level with its stitches closed: partners are one particle.
+fn sewn(open: &Level, pattern: &Pattern) -> Level {
+    let mut sets = UnionFind::new(open.particle_count);
+    for &[a, b] in &open.stitches {
+        sets.union(a, b);
+    }
+    let mut number = vec![u32::MAX; open.particle_count];
+    let mut count = 0;
+    let particle_of: Vec<u32> = (0..open.particle_count as u32)
+        .map(|point| {
+            let number = &mut number[sets.find(point) as usize];
+            if *number == u32::MAX {
+                *number = count;
+                count += 1;
+            }
+            *number
+        })
+        .collect();
+    let mut level = Level { particle_count: count as usize, particle_of, stitches: Vec::new(), ..open.clone() };
+    level.hinges.extend(seam_hinges(&level, pattern));
+    level
+}
+
+/// Hinges across the closed seams. A seam that folds one panel over the other has none: the fold
+/// is free.
+fn seam_hinges(level: &Level, pattern: &Pattern) -> Vec<Hinge> {
+    let mut at_edge = std::collections::HashMap::new();
+    for (t, &[a, b, c]) in level.triangles.iter().enumerate() {
+        for (tip, (p, q)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
+            at_edge.insert((p.min(q), p.max(q)), (t as u32, tip as u8));
+        }
+    }
+    let mut hinges = Vec::new();
+    for (seam, [side_a, side_b]) in pattern.seams.iter().zip(&level.seams) {
+        if seam.sense == Sense::Aligned {
+            continue;
+        }
+        for (a, b) in side_a.windows(2).zip(side_b.windows(2)) {
+            let rim = |w: &[u32]| at_edge[&(w[0].min(w[1]), w[0].max(w[1]))];
+            let ((ta, tip_a), (tb, tip_b)) = (rim(a), rim(b));
+            if ta != tb {
+                hinges.push(Hinge { triangles: [ta, tb], tips: [tip_a, tip_b] });
+            }
+        }
+    }
+    hinges
+}
+
+/// Sewing must neither fold a triangle onto itself nor lay two triangles on one another.
+fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {
+    let mut seen = std::collections::HashMap::new();
+    let panel_of = level.panel_of_triangle();
+    for t in 0..level.triangles.len() {
+        let mut corners = level.particles(t);
+        corners.sort_unstable();
+        let folded = corners[0] == corners[1] || corners[1] == corners[2];
+        let other = seen.insert(corners, t);
+        if folded || other.is_some() {
+            let panel = &pattern.panels[panel_of[t] as usize].name;
+            return Err(Error::new(
+                format!("It is narrower than the resolution of {} mm can sew.", level.resolution * 1e3),
+                "Ask for finer levels, such as --levels \"20,10,5 mm\".",
+            )
+            .within(format!("panel \"{panel}\"")));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,4 @@
+//! The doors: everything that reads or writes a file, and the only place that converts units.
+
+pub mod body_obj;
+pub mod garmentcode;

@@ -1,0 +1,15 @@
+//! From a sewing pattern and a body to the garment already sewn and resting on the body.
+#![forbid(unsafe_code)]
+
+pub mod body;
+pub mod contact;
+pub mod energy;
+pub mod error;
+pub mod garment;
+pub mod geometry;
+pub mod io;
+pub mod minimize;
+pub mod pattern;
+pub mod prepositioning;
+
+pub use error::{Error, Warning};

@@ -1,0 +1,173 @@
+//! Nonlinear conjugate gradients, written in place.
+//!
+//! Polak and Ribière's formula, cut off at zero so that it restarts by itself (Gilbert and Nocedal
+//! 1992), a diagonal preconditioner, and a step from the exact curvature along the direction (Le
+//! Thanh and Gagalowicz 2007, section 3) instead of a line search. A step that raises the value is
+//! taken back and halved, so accepted steps never raise it. Moves are capped point by point; a
+//! capped step has left the direction, and the next one starts afresh.
+
+use super::{CHUNK, Iterate, Problem, Termination, dot};
+use crate::geometry::Vector3;
+use rayon::prelude::*;
+
+/// How a run of conjugate gradients proceeds.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Evaluations of value and gradient that may be spent.
+    pub evaluations: usize,
+    /// The farthest that a point may move in one step, in the unit of the points.
+    pub largest_move: f64,
+    /// Steps after which the direction is the gradient again.
+    pub restart_after: usize,
+}
+
+/// A run's working memory and its state.
+pub struct ConjugateGradient {
+    gradient: Vec<Vector3>,
+    trial_gradient: Vec<Vector3>,
+    direction: Vec<Vector3>,
+    moves: Vec<Vector3>,
+    trial: Vec<Vector3>,
+}
+
+impl ConjugateGradient {
+    pub fn new(point_count: usize) -> Self {
+        let zeros = || vec![Vector3::zeros(); point_count];
+        Self { gradient: zeros(), trial_gradient: zeros(), direction: zeros(), moves: zeros(), trial: zeros() }
+    }
+
+    /// Lowers `problem` from `points`, in place. `done` is asked after each accepted step whether the
+    /// goal is reached. Returns why the run ended, the last value, and the evaluations spent.
+    pub fn run(
+        &mut self,
+        problem: &mut impl Problem,
+        points: &mut Vec<Vector3>,
+        settings: &Settings,
+        mut done: impl FnMut(&Iterate) -> bool,
+    ) -> (Termination, f64, usize) {
+        let mut value = problem.evaluate(points, &mut self.gradient);
+        let mut evaluations = 1;
+        let mut since_restart = 0;
+        let mut gz = 0.0;
+        loop {
+            if done(&Iterate { points, gradient: &self.gradient, value, evaluations }) {
+                return (Termination::Converged, value, evaluations);
+            }
+            if since_restart == 0 {
+                gz = steepest(&self.gradient, problem.diagonal(), &mut self.direction);
+            }
+            let mut slope = dot(&self.gradient, &self.direction);
+            if slope >= 0.0 && since_restart > 0 {
+                gz = steepest(&self.gradient, problem.diagonal(), &mut self.direction);
+                slope = dot(&self.gradient, &self.direction);
+                since_restart = 0;
+            }
+            if slope >= 0.0 {
+                return (Termination::Stalled, value, evaluations);
+            }
+            let curvature = problem.curvature(points, &self.direction);
+            let mut step = if curvature > 0.0 { -slope / curvature } else { 1.0 };
+            let mut halvings = 0;
+            let shortened = loop {
+                if evaluations >= settings.evaluations {
+                    return (Termination::Budget, value, evaluations);
+                }
+                let capped = cap(&self.direction, step, settings.largest_move, &mut self.moves);
+                let limited = problem.limit(points, &mut self.moves);
+                add(points, &self.moves, &mut self.trial);
+                let trial_value = problem.evaluate(&self.trial, &mut self.trial_gradient);
+                evaluations += 1;
+                // Equal values are accepted: near the bottom rounding hides the descent.
+                if trial_value <= value {
+                    value = trial_value;
+                    std::mem::swap(points, &mut self.trial);
+                    break capped || limited;
+                }
+                step *= 0.5;
+                halvings += 1;
+                if halvings > MOST_HALVINGS {
+                    if since_restart == 0 {
+                        return (Termination::Stalled, value, evaluations);
+                    }
+                    self.trial_gradient.copy_from_slice(&self.gradient);
+                    break true;
+                }
+            };
+            since_restart += 1;
+            if shortened || since_restart >= settings.restart_after || halvings > 0 {
+                since_restart = 0;
+                std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
+                continue;
+            }
+            gz = self.advance(problem.diagonal(), gz);
+        }
+    }
+
+    /// The next direction: `d ← -z + β d` with `z = g / diagonal` and `β = max(0, z·(g - g_old)) / (g_old·z_old)`.
+    fn advance(&mut self, diagonal: &[f64], gz_old: f64) -> f64 {
+        let (new, old) = (&self.trial_gradient, &self.gradient);
+        let sums: Vec<(f64, f64)> = new
+            .par_chunks(CHUNK)
+            .zip(old.par_chunks(CHUNK))
+            .zip(diagonal.par_chunks(CHUNK))
+            .map(|((new, old), diagonal)| {
+                let mut sums = (0.0, 0.0);
+                for ((new, old), d) in new.iter().zip(old).zip(diagonal) {
+                    sums.0 += new.norm_squared() / d;
+                    sums.1 += new.dot(old) / d;
+                }
+                sums
+            })
+            .collect();
+        let gz: f64 = sums.iter().map(|s| s.0).sum();
+        let mixed: f64 = sums.iter().map(|s| s.1).sum();
+        let beta = if gz_old > 0.0 { ((gz - mixed) / gz_old).max(0.0) } else { 0.0 };
+        self.direction
+            .par_chunks_mut(CHUNK)
+            .zip(new.par_chunks(CHUNK))
+            .zip(diagonal.par_chunks(CHUNK))
+            .for_each(|((direction, new), diagonal)| {
+                for ((direction, new), d) in direction.iter_mut().zip(new).zip(diagonal) {
+                    *direction = *direction * beta - new / *d;
+                }
+            });
+        std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
+        gz
+    }
+}
+
+/// How often a step is halved before the direction is given up: to a millionth of its length.
+const MOST_HALVINGS: usize = 20;
+
+/// `d = -g / diagonal`; returns `g·g / diagonal`.
+fn steepest(gradient: &[Vector3], diagonal: &[f64], direction: &mut [Vector3]) -> f64 {
+    for ((direction, gradient), d) in direction.iter_mut().zip(gradient).zip(diagonal) {
+        *direction = -gradient / *d;
+    }
+    -dot(gradient, direction)
+}
+
+fn add(points: &[Vector3], moves: &[Vector3], sum: &mut [Vector3]) {
+    sum.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).zip(moves.par_chunks(CHUNK)).for_each(|((sum, p), m)| {
+        for ((sum, p), m) in sum.iter_mut().zip(p).zip(m) {
+            *sum = p + m;
+        }
+    });
+}
+
+/// `moves = step * direction`, none longer than `largest`; tells whether any was.
+fn cap(direction: &[Vector3], step: f64, largest: f64, moves: &mut [Vector3]) -> bool {
+    let chunks = moves.par_chunks_mut(CHUNK).zip(direction.par_chunks(CHUNK)).map(|(moves, direction)| {
+        let mut capped = false;
+        for (m, d) in moves.iter_mut().zip(direction) {
+            *m = d * step;
+            let length = m.norm();
+            if length > largest {
+                *m *= largest / length;
+                capped = true;
+            }
+        }
+        capped
+    });
+    chunks.reduce(|| false, |a, b| a || b)
+}

@@ -1,0 +1,120 @@
+//! All that would make it impossible to build a garment from a pattern.
+
+use super::{Panel, Pattern, SegmentId};
+use crate::Error;
+use std::collections::HashMap;
+
+/// A segment shorter than this is a slip of the drawing, m: a hundredth of a millimetre.
+const SHORTEST_SEGMENT: f64 = 1e-5;
+/// A panel smaller than this cannot be cut, m²: four square millimetres.
+const SMALLEST_PANEL: f64 = 4e-6;
+/// A panel larger than this, or farther from the origin, was drawn in another unit, m.
+const LARGEST_EXTENT: f64 = 20.0;
+/// How far a segment may start from where the one before ended, m.
+const CLOSING_TOLERANCE: f64 = 1e-6;
+
+impl Pattern {
+    /// The first fault that keeps the pattern from being sewn.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.panels.is_empty() {
+            return Err(Error::new("The pattern has no panels.", "Export it again with its panels."));
+        }
+        let mut names: HashMap<&str, usize> = HashMap::new();
+        for panel in &self.panels {
+            if names.insert(&panel.name, 0).is_some() {
+                return Err(Error::new(
+                    format!("Two panels are named \"{}\".", panel.name),
+                    "Give every panel a name of its own.",
+                ));
+            }
+            panel.check().map_err(|e| e.within(format!("panel \"{}\"", panel.name)))?;
+        }
+        self.check_seams()
+    }
+
+    fn check_seams(&self) -> Result<(), Error> {
+        let mut sewn: HashMap<SegmentId, usize> = HashMap::new();
+        for (index, seam) in self.seams.iter().enumerate() {
+            let at = |e: Error| e.within(format!("stitch {index}"));
+            for side in seam.sides {
+                let Some(panel) = self.panels.get(side.panel) else {
+                    return Err(at(Error::new(
+                        format!("It names panel number {}, which does not exist.", side.panel),
+                        format!("The pattern has {} panels, counted from 0.", self.panels.len()),
+                    )));
+                };
+                if side.segment >= panel.segments.len() {
+                    return Err(at(Error::new(
+                        format!("It names edge {} of panel \"{}\", which does not exist.", side.segment, panel.name),
+                        format!("The panel has {} edges, counted from 0.", panel.segments.len()),
+                    )));
+                }
+                if let Some(other) = sewn.insert(side, index) {
+                    return Err(at(Error::new(
+                        format!("Edge {} of panel \"{}\" is already sewn by stitch {other}.", side.segment, panel.name),
+                        "Sew every edge once; split the edge where different parts of it meet different edges.",
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Panel {
+    fn check(&self) -> Result<(), Error> {
+        if self.segments.len() < 2 {
+            return Err(Error::new(
+                format!("The outline has {} edges.", self.segments.len()),
+                "An outline needs at least two edges that close a loop.",
+            ));
+        }
+        for (k, segment) in self.segments.iter().enumerate() {
+            let at = |e: Error| e.within(format!("edge {k}"));
+            let next = &self.segments[(k + 1) % self.segments.len()];
+            if !segment.curve.is_finite() {
+                return Err(at(Error::new("It has a coordinate that is not a number.", "Export the panel again.")));
+            }
+            if (segment.curve.end - next.curve.start).norm() > CLOSING_TOLERANCE {
+                return Err(at(Error::new(
+                    "The outline is open: the next edge does not start where this one ends.",
+                    "List the edges in the order of the loop, each from its start to its end.",
+                )));
+            }
+            let chord = (segment.curve.end - segment.curve.start).norm();
+            if chord.max(segment.curve.length()) < SHORTEST_SEGMENT {
+                return Err(at(Error::new(
+                    "The edge has no length.",
+                    "Remove it and let its neighbours meet in one corner.",
+                )));
+            }
+        }
+        self.check_extent()?;
+        if let Some((i, j)) = self.crossing_segments() {
+            let place = if i == j { format!("Edge {i} crosses itself.") } else { format!("Edges {i} and {j} cross each other.") };
+            return Err(Error::new(place, "Redraw the outline so that it encloses one area without crossing itself."));
+        }
+        if self.signed_area().abs() < SMALLEST_PANEL {
+            return Err(Error::new(
+                format!("The outline encloses {:.2} mm².", self.signed_area().abs() * 1e6),
+                "Check the outline and the unit of the pattern.",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_extent(&self) -> Result<(), Error> {
+        let farthest = self.polygon(8).iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let shift = self.placement.translation.norm();
+        if !(shift.is_finite() && self.placement.rotation.matrix().iter().all(|r| r.is_finite())) {
+            return Err(Error::new("The placement is not finite.", "Give the translation and rotation as plain numbers."));
+        }
+        if farthest.max(shift) > LARGEST_EXTENT {
+            return Err(Error::new(
+                format!("The panel reaches {:.1} m from the origin.", farthest.max(shift)),
+                "Check the unit of the pattern: lengths are divided by `units_in_meter`, 100 for centimetres.",
+            ));
+        }
+        Ok(())
+    }
+}

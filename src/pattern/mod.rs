@@ -1,0 +1,168 @@
+//! The sewing pattern: flat panels, where they start around the body, and the seams between them.
+//!
+//! A pattern is what a pattern maker drew, in metres; nothing here knows of particles. Whoever reads
+//! a file builds a [`Pattern`] from it and calls [`Pattern::check`], which finds all that would make
+//! the garment impossible to build.
+
+mod check;
+mod curve;
+mod fabric;
+
+pub use curve::{Arc, Curve, Shape};
+pub use fabric::{Directional, Fabric, PRESETS, Preset, Quality};
+
+use crate::geometry::{Vector2, Vector3, polygon_crossing};
+use nalgebra::Rotation3;
+
+/// All panels and seams of one garment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pattern {
+    pub name: String,
+    pub panels: Vec<Panel>,
+    pub seams: Vec<Seam>,
+}
+
+/// One flat piece of fabric.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Unique within the pattern.
+    pub name: String,
+    /// The outline: a closed loop, each segment starting where the one before ended. Counter-clockwise
+    /// when the right side of the fabric faces the panel's own +z, clockwise when it faces -z.
+    pub segments: Vec<Segment>,
+    pub placement: Placement,
+    pub part: Option<BodyPart>,
+}
+
+/// One curve of an outline, between two corners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    pub curve: Curve,
+    /// What the segment is on the body, when the pattern says so.
+    pub label: Option<SegmentLabel>,
+}
+
+/// Where a flat panel starts: `world = rotation * (x, y, 0) + translation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    pub rotation: Rotation3<f64>,
+    /// m.
+    pub translation: Vector3,
+}
+
+impl Placement {
+    /// Where a point of the panel starts in the world.
+    pub fn place(&self, point: Vector2) -> Vector3 {
+        self.rotation * Vector3::new(point.x, point.y, 0.0) + self.translation
+    }
+}
+
+/// The coarse zone of the body that a panel dresses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BodyPart {
+    /// Torso, neck and head.
+    Body,
+    Arm,
+    /// Hips and below.
+    Leg,
+}
+
+/// Segments that hold a garment in its place on the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SegmentLabel {
+    /// The waist line that holds up what hangs below.
+    LowerInterface,
+    Collar,
+    Armhole,
+    StraplessTop,
+}
+
+/// A segment by the indices of its panel and of itself within the panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SegmentId {
+    pub panel: usize,
+    pub segment: usize,
+}
+
+/// Two whole segments sewn together, point by point at equal fractions of their arc lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seam {
+    pub sides: [SegmentId; 2],
+    pub sense: Sense,
+}
+
+/// Which ends of the two sides meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// Start meets end: right side to right side, the rule for panels that lie side by side.
+    Opposed,
+    /// Start meets start: right side to wrong side, which folds one panel over the other.
+    Aligned,
+}
+
+impl Sense {
+    /// The fraction on the second side that meets `fraction` on the first.
+    pub fn partner(self, fraction: f64) -> f64 {
+        match self {
+            Sense::Opposed => 1.0 - fraction,
+            Sense::Aligned => fraction,
+        }
+    }
+}
+
+impl Pattern {
+    pub fn segment(&self, id: SegmentId) -> &Segment {
+        &self.panels[id.panel].segments[id.segment]
+    }
+
+    /// Lengths of the two sides of a seam, m.
+    pub fn seam_lengths(&self, seam: &Seam) -> [f64; 2] {
+        seam.sides.map(|side| self.segment(side).curve.length())
+    }
+
+    /// A seam as its author knows it: `front:3 + back:1`.
+    pub fn seam_name(&self, seam: &Seam) -> String {
+        let [a, b] = seam.sides.map(|side| format!("{}:{}", self.panels[side.panel].name, side.segment));
+        format!("{a} + {b}")
+    }
+}
+
+impl Panel {
+    pub fn corners(&self) -> impl Iterator<Item = Vector2> + '_ {
+        self.segments.iter().map(|s| s.curve.start)
+    }
+
+    /// Area within the outline, m²: positive for a counter-clockwise loop.
+    pub fn signed_area(&self) -> f64 {
+        self.segments.iter().map(|s| s.curve.signed_area()).sum()
+    }
+
+    pub fn perimeter(&self) -> f64 {
+        self.segments.iter().map(|s| s.curve.length()).sum()
+    }
+
+    /// Unit normal of the right side of the fabric at its start, in the world.
+    pub fn outward_normal(&self) -> Vector3 {
+        self.placement.rotation * Vector3::new(0.0, 0.0, self.signed_area().signum())
+    }
+
+    /// Points along the outline, `per_curve` for each curved segment and one for each straight one.
+    pub fn polygon(&self, per_curve: usize) -> Vec<Vector2> {
+        let points = |s: &Segment| {
+            let count = if s.curve.is_straight() { 1 } else { per_curve };
+            let curve = s.curve;
+            (0..count).map(move |i| curve.at_fraction(i as f64 / count as f64))
+        };
+        self.segments.iter().flat_map(points).collect()
+    }
+
+    /// The first two segments whose curves cross each other, if any do.
+    pub fn crossing_segments(&self) -> Option<(usize, usize)> {
+        // Chords of a twenty-fourth stay within 0.1 % of the length of any curve that is cut in cloth.
+        const PER_CURVE: usize = 24;
+        let owner: Vec<usize> = (0..self.segments.len())
+            .flat_map(|k| std::iter::repeat_n(k, if self.segments[k].curve.is_straight() { 1 } else { PER_CURVE }))
+            .collect();
+        polygon_crossing(&self.polygon(PER_CURVE)).map(|(i, j)| (owner[i], owner[j]))
+    }
+}

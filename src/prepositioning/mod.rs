@@ -1,0 +1,3 @@
+//! draft
+mod problem;
+pub use problem::Relaxation;
