@@ -1,6 +1,8 @@
 //! From a sewing pattern and a body to the garment already sewn and resting on the body.
 #![forbid(unsafe_code)]
 
+pub mod arrangement;
+pub mod assess;
 pub mod body;
 pub mod contact;
 pub mod energy;

@@ -13,7 +13,7 @@ fn real_bodies_are_read_and_their_distance_fields_agree_with_exact_distances() {
         let read = t.elapsed();
         assert!(warnings.is_empty());
         let t = std::time::Instant::now();
-        let field = DistanceField::new(&body, 0.005, 0.012);
+        let field = DistanceField::new(&body, 0.006, 0.011);
         let built = t.elapsed();
         let mut worst: Vec<f64> = Vec::new();
         let mut sign = 0;

@@ -1,7 +1,7 @@
 //! Contact with the body: a one-sided quadratic energy over sample points of the cloth, with friction.
 //!
 //! ```text
-//!     E = ½ k (δ - d(x))²   where d(x) < δ, else 0
+//!     E = ½ k (δ - d(x))²   where d(x) < δ, else 0                        (theory, equation 8)
 //! ```
 //!
 //! `d` is the distance to the body and `δ` the clearance. Its gradient is continuous, so that a
@@ -9,7 +9,7 @@
 //! pressure over `k`, is taken away by [`BodyContact::hold`] at the end of a level.
 //!
 //! On fine levels the particles are the sample points. On coarse ones a triangle can cut through an
-//! arm between its particles, so its face carries samples as well.
+//! arm between its particles, so its edges carry samples as well.
 //!
 //! Friction is Coulomb's, as springs from where a sample first touched (its anchor); an anchor that
 //! is pulled harder than `μ N` slips after. Anchors move in [`BodyContact::update_anchors`] only:
@@ -17,30 +17,25 @@
 
 use crate::body::{Body, DistanceField};
 use crate::garment::Level;
-use crate::geometry::Vector3;
+use crate::geometry::{EdgeTable, Vector3};
 use crate::minimize::CHUNK;
 use rayon::prelude::*;
 
 /// How the cloth is held clear of the body.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyContactSettings {
-    /// Distance to be kept, m.
+    /// Distance to be kept, m. Negative while the seams close around a body that is thought thinner.
     pub clearance: f64,
     /// Stiffness of each particle's contact, N/m.
     pub stiffness: f64,
     /// Coulomb coefficient.
     pub friction: f64,
-    /// Faces carry samples at least this near to each other, m.
-    pub sample_spacing: f64,
 }
 
-/// A point of the cloth that is held clear: a place on a triangle.
+/// The middle of an edge of the cloth.
 #[derive(Clone, Copy, Debug)]
-struct FaceSample {
-    particles: [u32; 3],
-    weights: [f64; 3],
-    /// N/m.
-    stiffness: f64,
+struct Middle {
+    ends: [u32; 2],
     /// How far the cloth bulges out over the chord here, m.
     sag: f64,
 }
@@ -48,7 +43,7 @@ struct FaceSample {
 /// What a sample feels at the last evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 struct Touch {
-    /// Unit vector away from the body; zero when there is no contact.
+    /// Direction away from the body; zero where there is no contact.
     normal: Vector3,
     /// Clearance minus distance, m, positive in contact.
     depth: f64,
@@ -66,29 +61,33 @@ pub struct BodyContact<'a> {
     body: &'a Body,
     field: &'a DistanceField,
     pub settings: BodyContactSettings,
-    particle_count: usize,
-    faces: Vec<FaceSample>,
-    /// One per particle, then one per face sample.
+    /// What each particle keeps beyond the clearance, m: more where a sharp part of the body would
+    /// come through between the particles.
+    extra: Vec<f64>,
+    middles: Vec<Middle>,
+    /// One per particle, then one per middle.
     touches: Vec<Touch>,
     anchors: Vec<Option<Anchor>>,
 }
 
-/// Radius of the limbs and curves that cloth is bent around, m.
+/// Edges longer than this carry a sample in their middle, m: a wrist is 50 mm thick.
+const LONGEST_UNSAMPLED: f64 = 0.022;
+/// Radius of the limbs and curves that cloth is bent around, m: tells how far an edge cuts the curve.
 const LIMB_RADIUS: f64 = 0.06;
-
-/// Tangential stiffness of a sticking sample over its normal one.
+/// Tangential stiffness of a sticking sample over its normal one. Softer than the normal one, as the
+/// tangential direction is the one in which cloth has to settle.
 const STICKING: f64 = 0.3;
 
 impl<'a> BodyContact<'a> {
     pub fn new(body: &'a Body, field: &'a DistanceField, level: &Level, settings: BodyContactSettings) -> Self {
-        let faces = face_samples(level, &settings);
-        let count = level.particle_count + faces.len();
+        let middles = middles(level);
+        let count = level.particle_count + middles.len();
         Self {
             body,
             field,
             settings,
-            particle_count: level.particle_count,
-            faces,
+            extra: vec![0.0; level.particle_count],
+            middles,
             touches: vec![Touch::default(); count],
             anchors: vec![None; count],
         }
@@ -96,46 +95,34 @@ impl<'a> BodyContact<'a> {
 
     /// Adds the gradient, N, and returns the energy, J.
     pub fn evaluate(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) -> f64 {
-        let (at_particles, at_faces) = self.touches.split_at_mut(self.particle_count);
-        let (body, field, settings) = (self.body, self.field, &self.settings);
+        let (field, BodyContactSettings { clearance, stiffness, .. }) = (self.field, self.settings);
+        let (at_particles, at_middles) = self.touches.split_at_mut(positions.len());
+        let (particle_anchors, middle_anchors) = self.anchors.split_at(positions.len());
         let sums: Vec<f64> = at_particles
             .par_chunks_mut(CHUNK)
             .zip(positions.par_chunks(CHUNK))
             .zip(gradient.par_chunks_mut(CHUNK))
-            .zip(self.anchors[..self.particle_count].par_chunks(CHUNK))
-            .map(|(((touches, positions), gradient), anchors)| {
+            .zip(particle_anchors.par_chunks(CHUNK))
+            .zip(self.extra.par_chunks(CHUNK))
+            .map(|((((touches, positions), gradient), anchors), extra)| {
                 let mut sum = 0.0;
-                for (((touch, position), gradient), anchor) in
-                    touches.iter_mut().zip(positions).zip(gradient).zip(anchors)
-                {
-                    *touch = touch_at(body, field, *position, settings.clearance);
-                    let (energy, pull) = pull(touch, anchor, *position, settings.stiffness);
+                for k in 0..touches.len() {
+                    touches[k] = touch(field, positions[k], clearance + extra[k]);
+                    let (energy, pull) = push(&touches[k], &anchors[k], positions[k], stiffness);
                     sum += energy;
-                    *gradient += pull;
+                    gradient[k] += pull;
                 }
                 sum
             })
             .collect();
         let mut energy: f64 = sums.iter().sum();
-        let anchors = &self.anchors[self.particle_count..];
-        let pulls: Vec<(f64, Vector3)> = self
-            .faces
-            .par_iter()
-            .zip(at_faces)
-            .zip(anchors)
-            .with_min_len(CHUNK)
-            .map(|((sample, touch), anchor)| {
-                let position = sample.position(positions);
-                *touch = touch_at(body, field, position, settings.clearance - sample.sag);
-                pull(touch, anchor, position, sample.stiffness)
-            })
-            .collect();
-        for (sample, (sample_energy, pull)) in self.faces.iter().zip(pulls) {
-            if sample_energy > 0.0 {
-                energy += sample_energy;
-                for (p, w) in sample.particles.iter().zip(sample.weights) {
-                    gradient[*p as usize] += pull * w;
-                }
+        for ((middle, at), anchor) in self.middles.iter().zip(at_middles).zip(middle_anchors) {
+            let position = middle.of(positions);
+            *at = touch(field, position, clearance - middle.sag);
+            let (sample_energy, pull) = push(at, anchor, position, stiffness);
+            energy += sample_energy;
+            for p in middle.ends {
+                gradient[p as usize] += pull * 0.5;
             }
         }
         energy
@@ -143,66 +130,82 @@ impl<'a> BodyContact<'a> {
 
     /// `dᵀ H d` at the last evaluation, without the curvature of the body.
     pub fn curvature(&self, direction: &[Vector3]) -> f64 {
-        let along = |touch: &Touch, anchor: &Option<Anchor>, d: Vector3, stiffness: f64| {
-            let normal = stiffness * touch.normal.dot(&d).powi(2);
-            let sticking = anchor.as_ref().map_or(0.0, |a| STICKING * stiffness * tangential(d, a.normal).norm_squared());
-            normal + sticking
+        let along = |touch: &Touch, anchor: &Option<Anchor>, d: Vector3| {
+            if touch.depth <= 0.0 {
+                return 0.0;
+            }
+            let sticking = anchor.as_ref().map_or(0.0, |a| STICKING * tangential(d, a.normal).norm_squared());
+            touch.normal.dot(&d).powi(2) + sticking
         };
-        let particles: f64 = (0..self.particle_count)
-            .map(|p| along(&self.touches[p], &self.anchors[p], direction[p], self.settings.stiffness))
-            .sum();
-        let faces: f64 = (self.faces.iter().zip(self.particle_count..))
-            .map(|(f, k)| along(&self.touches[k], &self.anchors[k], f.position(direction), f.stiffness))
-            .sum();
-        particles + faces
+        let samples = || self.touches.iter().zip(&self.anchors);
+        let particles: f64 = samples().zip(direction).map(|((t, a), &d)| along(t, a, d)).sum();
+        let middles: f64 =
+            samples().skip(direction.len()).zip(&self.middles).map(|((t, a), m)| along(t, a, m.of(direction))).sum();
+        self.settings.stiffness * (particles + middles)
     }
 
     /// Lets touching samples stick where they are, and those that are pulled too hard slip.
     pub fn update_anchors(&mut self, positions: &[Vector3]) {
-        for k in 0..self.touches.len() {
-            let (position, stiffness) = match k.checked_sub(self.particle_count) {
-                None => (positions[k], self.settings.stiffness),
-                Some(face) => (self.faces[face].position(positions), self.faces[face].stiffness),
-            };
-            let touch = self.touches[k];
-            self.anchors[k] = (touch.depth > 0.0 && self.settings.friction > 0.0).then(|| {
-                let Some(anchor) = self.anchors[k] else { return Anchor { point: position, normal: touch.normal } };
-                let span = tangential(position - anchor.point, touch.normal);
-                let most = self.settings.friction * touch.depth / STICKING;
-                let slip = (span.norm() - most).max(0.0);
-                let point = anchor.point + if slip > 0.0 { span.normalize() * slip } else { Vector3::zeros() };
-                let _ = stiffness;
-                Anchor { point, normal: touch.normal }
-            });
+        let friction = self.settings.friction;
+        for (k, (touch, anchor)) in self.touches.iter().zip(&mut self.anchors).enumerate() {
+            if touch.depth <= 0.0 || friction == 0.0 {
+                *anchor = None;
+                continue;
+            }
+            let position = positions.get(k).copied().unwrap_or_else(|| self.middles[k - positions.len()].of(positions));
+            let normal = touch.normal.normalize();
+            let stuck = anchor.map_or(position, |a| a.point);
+            let span = tangential(position - stuck, normal);
+            // Sticks up to |span| k_t = μ k_n depth; the anchor follows what is beyond.
+            let slip = (span.norm() - friction * touch.depth / STICKING).max(0.0);
+            let follow = span.try_normalize(f64::MIN_POSITIVE).map_or(Vector3::zeros(), |along| along * slip);
+            *anchor = Some(Anchor { point: stuck + follow, normal });
         }
     }
 
-    /// Forgets where samples stuck.
-    pub fn release_anchors(&mut self) {
-        self.anchors.fill(None);
+    /// Moves that take each particle that is too near out to its clearance, by exact distances; zero
+    /// for the others.
+    pub fn hold(&self, positions: &[Vector3]) -> Vec<Vector3> {
+        // A second round serves creases, where moving out of one side leads to the other.
+        const ROUNDS: usize = 3;
+        let moved = |(&position, extra): (&Vector3, &f64)| {
+            let mut held = position;
+            for _ in 0..ROUNDS {
+                match self.out_of_reach(held, self.settings.clearance + extra) {
+                    Some(out) => held = out,
+                    None => break,
+                }
+            }
+            held - position
+        };
+        positions.par_iter().zip(&self.extra).with_min_len(256).map(moved).collect()
     }
 
-    /// Moves each particle that is too near out to its clearance, by exact distances.
-    pub fn hold(&self, positions: &mut [Vector3]) {
-        let clearance = self.settings.clearance;
-        positions.par_iter_mut().with_min_len(256).for_each(|position| {
-            // A second round serves creases, where moving out of one side leads to the other.
-            for _ in 0..3 {
-                let near = self.field.sample(*position);
-                if near.is_some_and(|s| s.distance > clearance + self.field.cell()) {
-                    return;
-                }
-                let Some(nearest) = self.body.nearest(*position, clearance.max(self.field.band())) else { return };
-                let inside = self.body.contains(*position);
-                if !inside && nearest.distance >= clearance {
-                    return;
-                }
-                let away = if inside { nearest.point - *position } else { *position - nearest.point };
-                let [a, b, c] = self.body.corners(nearest.triangle);
-                let normal = away.try_normalize(1e-9).unwrap_or_else(|| (b - a).cross(&(c - a)).normalize());
-                *position = nearest.point + normal * (clearance * (1.0 + 1e-6));
-            }
-        });
+    /// Where a point that is nearer than `clearance` has to go.
+    fn out_of_reach(&self, point: Vector3, clearance: f64) -> Option<Vector3> {
+        let rough = self.field.sample(point)?;
+        // Beyond the field's error nothing needs an exact query.
+        if rough.distance > clearance + self.field.cell() {
+            return None;
+        }
+        let reach = rough.distance.abs() + clearance.abs() + 2.0 * self.field.cell();
+        let nearest = self.body.nearest(point, reach)?;
+        let inside = self.body.contains(point);
+        if !inside && nearest.distance >= clearance {
+            return None;
+        }
+        let away = if inside { nearest.point - point } else { point - nearest.point };
+        let [a, b, c] = self.body.corners(nearest.triangle);
+        let normal = away.try_normalize(1e-9).unwrap_or_else(|| (b - a).cross(&(c - a)).normalize());
+        // A nanometre more than asked, so that rounding does not ask again.
+        Some(nearest.point + normal * (clearance + 1e-9))
+    }
+
+    /// Asks some particles to keep farther from the body by `more`, m.
+    pub fn widen(&mut self, particles: impl IntoIterator<Item = u32>, more: f64) {
+        for p in particles {
+            self.extra[p as usize] += more;
+        }
     }
 
     /// Stiffness that contact adds to each particle's diagonal, N/m.
@@ -211,79 +214,140 @@ impl<'a> BodyContact<'a> {
     }
 }
 
-impl FaceSample {
-    fn position(&self, at: &[Vector3]) -> Vector3 {
-        let [a, b, c] = self.particles.map(|p| at[p as usize]);
-        a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
+impl Middle {
+    #[inline]
+    fn of(&self, at: &[Vector3]) -> Vector3 {
+        (at[self.ends[0] as usize] + at[self.ends[1] as usize]) * 0.5
     }
 }
 
+#[inline]
 fn tangential(v: Vector3, normal: Vector3) -> Vector3 {
     v - normal * normal.dot(&v)
 }
 
-fn touch_at(body: &Body, field: &DistanceField, position: Vector3, clearance: f64) -> Touch {
+#[inline]
+fn touch(field: &DistanceField, position: Vector3, clearance: f64) -> Touch {
     match field.sample(position) {
-        Some(s) if s.distance >= clearance => Touch::default(),
-        Some(s) if s.distance > -field.band() => Touch { normal: s.gradient, depth: clearance - s.distance },
-        None if !field.is_deep_inside(position) => Touch::default(),
-        _ => {
-            // Deep inside, where the field ends.
-            let Some(nearest) = body.nearest(position, f64::INFINITY) else { return Touch::default() };
-            let normal = (nearest.point - position).try_normalize(1e-9).unwrap_or_else(Vector3::y);
-            Touch { normal, depth: clearance + nearest.distance }
-        }
+        Some(s) if s.distance < clearance => Touch { normal: s.gradient, depth: clearance - s.distance },
+        _ => Touch::default(),
     }
 }
 
 /// Energy and gradient of one sample.
-fn pull(touch: &Touch, anchor: &Option<Anchor>, position: Vector3, stiffness: f64) -> (f64, Vector3) {
+#[inline]
+fn push(touch: &Touch, anchor: &Option<Anchor>, position: Vector3, stiffness: f64) -> (f64, Vector3) {
     if touch.depth <= 0.0 {
         return (0.0, Vector3::zeros());
     }
     let mut energy = 0.5 * stiffness * touch.depth * touch.depth;
     let mut gradient = touch.normal * (-stiffness * touch.depth);
     if let Some(anchor) = anchor {
-        let span = tangential(position - anchor.point, anchor.normal) ;
+        let span = tangential(position - anchor.point, anchor.normal);
         energy += 0.5 * STICKING * stiffness * span.norm_squared();
         gradient += span * (STICKING * stiffness);
     }
     (energy, gradient)
 }
 
-/// Points on the faces between the particles, on a lattice that is finer than `sample_spacing`.
-fn face_samples(level: &Level, settings: &BodyContactSettings) -> Vec<FaceSample> {
-    let mut samples = Vec::new();
-    for t in 0..level.triangles.len() {
-        let rest = level.rest_corners(t);
-        let longest = (0..3).map(|k| (rest[(k + 1) % 3] - rest[k]).norm()).fold(0.0, f64::max);
-        let steps = (longest / settings.sample_spacing).ceil() as usize;
-        for i in 0..=steps {
-            for j in 0..=steps - i {
-                let k = steps - i - j;
-                if i.max(j).max(k) < steps {
-                    // Samples on an edge belong to two triangles, half each.
-                    let share = if i.min(j).min(k) == 0 { 0.5 } else { 1.0 };
-                    samples.push(FaceSample {
-                        particles: level.particles(t),
-                        weights: [i, j, k].map(|n| n as f64 / steps as f64),
-                        stiffness: share * settings.stiffness / (steps * steps) as f64,
-                        // A chord of length h over radius R sags h²/8R.
-                        sag: longest * longest / (8.0 * LIMB_RADIUS) * 3.0 * [[i, j], [j, k], [k, i]].iter().map(|[a, b]| (a * b) as f64).sum::<f64>() / (steps * steps) as f64,
-                    });
+/// The middles of the edges that are too long to do without.
+fn middles(level: &Level) -> Vec<Middle> {
+    let triangles = level.particle_triangles();
+    let edges = EdgeTable::new(&triangles).edges.into_iter();
+    edges
+        .filter_map(|edge| {
+            let t = edge.triangles[0] as usize;
+            let tip = triangles[t].iter().position(|p| !edge.ends.contains(p))?;
+            let rest = level.rest_corners(t);
+            let length = (rest[(tip + 2) % 3] - rest[(tip + 1) % 3]).norm();
+            // A chord of length h over radius R sags by h²/8R.
+            let sag = length * length / (8.0 * LIMB_RADIUS);
+            (length > LONGEST_UNSAMPLED).then_some(Middle { ends: edge.ends, sag })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::shapes;
+    use crate::garment::Garment;
+    use crate::geometry::Vector2;
+    use crate::pattern::{Curve, Panel, Pattern, Placement, Segment};
+
+    /// A ball of one metre and a cloth of 20 cm that dips into its top.
+    fn scene() -> (Body, DistanceField, Level, Vec<Vector3>) {
+        let body = shapes::ball();
+        let field = DistanceField::new(&body, 0.01, 0.03);
+        let corners = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]].map(Vector2::from);
+        let segments = (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None });
+        let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::zeros() };
+        let panel = Panel { name: "cloth".into(), segments: segments.collect(), placement, part: None };
+        let pattern = Pattern { name: "cloth".into(), panels: vec![panel], seams: vec![] };
+        let level = Garment::build(&pattern, &[0.03]).unwrap().levels.remove(0);
+        let positions = level.rest.iter().map(|p| Vector3::new(p.x, 0.998 + 0.01 * (p.x * 40.0).sin(), p.y)).collect();
+        (body, field, level, positions)
+    }
+
+    fn settings(friction: f64) -> BodyContactSettings {
+        BodyContactSettings { clearance: 0.003, stiffness: 500.0, friction }
+    }
+
+    #[test]
+    fn the_gradient_is_the_derivative_with_and_without_friction() {
+        let (body, field, level, positions) = scene();
+        for friction in [0.0, 0.5] {
+            let mut contact = BodyContact::new(&body, &field, &level, settings(friction));
+            let mut gradient = vec![Vector3::zeros(); positions.len()];
+            contact.evaluate(&positions, &mut gradient);
+            contact.update_anchors(&positions);
+            let mut at = positions.clone();
+            at.iter_mut().for_each(|p| *p += Vector3::new(0.002, 0.0, 0.001));
+            gradient.fill(Vector3::zeros());
+            assert!(contact.evaluate(&at, &mut gradient) > 0.0);
+            let step = 1e-7;
+            for p in (0..positions.len()).step_by(3) {
+                for axis in 0..3 {
+                    let mut energy = |by: f64| {
+                        let mut moved = at.clone();
+                        moved[p][axis] += by;
+                        contact.evaluate(&moved, &mut vec![Vector3::zeros(); positions.len()])
+                    };
+                    let slope = (energy(step) - energy(-step)) / (2.0 * step);
+                    assert!((slope - gradient[p][axis]).abs() < 1e-4, "{slope} {}", gradient[p][axis]);
                 }
             }
         }
     }
-    samples
-}
 
-impl BodyContact<'_> {
-    /// debug
-    pub fn forces(&self, positions: &[Vector3]) -> Vec<(Vector3, Vector3)> {
-        (0..self.touches.len()).filter(|&k| self.touches[k].depth > 0.0).map(|k| {
-            let (p, s) = match k.checked_sub(self.particle_count) { None => (positions[k], self.settings.stiffness), Some(f) => (self.faces[f].position(positions), self.faces[f].stiffness) };
-            (p, self.touches[k].normal * (self.touches[k].depth * s))
-        }).collect()
+    #[test]
+    fn held_particles_keep_their_clearance() {
+        let (body, field, level, mut positions) = scene();
+        let contact = BodyContact::new(&body, &field, &level, settings(0.0));
+        let moves = contact.hold(&positions);
+        positions.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
+        assert!(positions.iter().all(|&p| body.signed_distance(p) > 0.003 - 1e-6));
+    }
+
+    #[test]
+    fn friction_holds_small_pulls_and_slips_under_large_ones() {
+        let (body, field, level, positions) = scene();
+        let mut contact = BodyContact::new(&body, &field, &level, settings(0.5));
+        let mut gradient = vec![Vector3::zeros(); positions.len()];
+        contact.evaluate(&positions, &mut gradient);
+        contact.update_anchors(&positions);
+        let deepest = (0..positions.len()).max_by(|&a, &b| contact.touches[a].depth.total_cmp(&contact.touches[b].depth));
+        let p = deepest.unwrap();
+        let anchor = contact.anchors[p].unwrap().point;
+        let limit = 0.5 * contact.touches[p].depth / STICKING;
+        for (shift, slips) in [(0.5 * limit, false), (2.0 * limit, true)] {
+            let mut moved = positions.clone();
+            moved[p] += tangential(Vector3::z(), contact.touches[p].normal.normalize()).normalize() * shift;
+            contact.evaluate(&moved, &mut gradient);
+            let before = contact.anchors.clone();
+            contact.update_anchors(&moved);
+            assert_eq!((contact.anchors[p].unwrap().point - anchor).norm() > 0.1 * limit, slips);
+            contact.anchors = before;
+        }
     }
 }

@@ -12,7 +12,6 @@
 
 use crate::garment::Level;
 use crate::geometry::{EdgeTable, SegmentPair, Vector3, closest_between_segments, closest_on_triangle};
-use crate::minimize::CHUNK;
 use rayon::prelude::*;
 
 
@@ -27,12 +26,22 @@ pub struct SelfContactSettings {
     pub reach: f64,
 }
 
-/// Share of the half distance that a particle may move: below one, so that touching stays excluded.
-const BOUND_SHARE: f64 = 0.9;
+/// Share of a pair's distance that its sides may move towards each other in one step: below one, so
+/// that touching stays excluded.
+const APPROACH_SHARE: f64 = 0.8;
+/// Share of the reach that a particle may move before the pairs are found anew. Pairs that were not
+/// found are at least the reach apart; after two such moves half of it is left.
+const REBUILD_SHARE: f64 = 0.25;
+/// Panels that start nearer to each other than this lie on one another, m.
+const TOUCHING: f64 = 1e-4;
+/// How often the moves of pairs in their own way are drawn together before they are cut.
+const DRAWING_ROUNDS: usize = 4;
+/// How often in all, before all moves are shortened.
+const MOST_ROUNDS: usize = 16;
 /// Share of its shortest edge to which a particle's clearance is cut: neighbours on flat cloth must not repel.
 const EDGE_SHARE: f64 = 0.4;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Pair {
     VertexFace { vertex: u32, face: u32 },
     EdgeEdge { first: u32, second: u32 },
@@ -56,12 +65,77 @@ pub struct SelfContact {
     /// m, one per particle.
     clearance: Vec<f64>,
     pairs: Vec<Pair>,
-    /// Where the bounds count from.
+    /// Distance of each pair when it was found, m.
+    found_distance: Vec<f64>,
+    /// Pairs that touched at the start, sorted: they may pass each other until they have parted.
+    excused: Vec<Pair>,
+    /// Where the particles were when the pairs were found.
     origin: Vec<Vector3>,
-    /// m, one per particle.
-    bound: Vec<f64>,
     pub rebuilds: usize,
 }
+
+/// A pair in its own way.
+struct Blocked {
+    particles: [u32; 4],
+    /// Mean of the particles' moves.
+    mean: Vector3,
+    /// What its particles may keep of their moves against the mean.
+    share: f64,
+    /// m.
+    distance: f64,
+}
+
+/// No particle of a blocked pair moves farther than its part of the pair's distance.
+fn stop(blocked: &[Blocked], moves: &mut [Vector3]) {
+    for pair in blocked {
+        let most = 0.5 * APPROACH_SHARE * pair.distance;
+        for p in pair.particles {
+            let m = &mut moves[p as usize];
+            let length = m.norm();
+            if length > most {
+                *m *= most / length;
+            }
+        }
+    }
+}
+
+/// Each particle follows the pair that leaves it the least.
+fn draw_together(blocked: &[Blocked], moves: &mut [Vector3]) {
+    let mut strictest: std::collections::BTreeMap<u32, (f64, Vector3)> = std::collections::BTreeMap::new();
+    for pair in blocked {
+        for p in pair.particles {
+            let entry = strictest.entry(p).or_insert((f64::INFINITY, Vector3::zeros()));
+            if pair.share < entry.0 {
+                *entry = (pair.share, pair.mean);
+            }
+        }
+    }
+    for (p, (share, mean)) in strictest {
+        let m = &mut moves[p as usize];
+        *m = mean + (*m - mean) * (DRAWING * share);
+    }
+}
+
+/// Drawn a little closer than needed, as the neighbours move as well.
+const DRAWING: f64 = 0.9;
+
+/// Energy of a pair at a distance below its clearance, its slope and its curvature: quadratic down to
+/// half the clearance, logarithmic below, with continuous slope (Chen et al. 2025, equation 18).
+#[inline]
+fn repulsion(distance: f64, clearance: f64, stiffness: f64) -> (f64, f64, f64) {
+    let depth = clearance - distance;
+    let half = 0.5 * clearance;
+    if distance >= half {
+        return (0.5 * stiffness * depth * depth, -stiffness * depth, stiffness);
+    }
+    let barrier = stiffness * half * half;
+    let energy = 0.5 * stiffness * half * half - barrier * (distance / half).ln();
+    (energy, -barrier / distance, (barrier / (distance * distance)).min(STIFFEST * stiffness))
+}
+
+/// The barrier's curvature is not taken for more than this many times the pair's stiffness: one
+/// nearly closed pair must not hold up the step of the whole garment.
+const STIFFEST: f64 = 20.0;
 
 impl SelfContact {
     /// `class_of` tells which particles are to be sewn together.
@@ -85,28 +159,24 @@ impl SelfContact {
             class_of,
             clearance,
             pairs: Vec::new(),
+            found_distance: Vec::new(),
+            excused: Vec::new(),
             origin: Vec::new(),
-            bound: vec![0.0; level.particle_count],
             rebuilds: 0,
         }
     }
 
-    /// Finds the near pairs at `positions`, which must be free of intersections, and how far each
-    /// particle may move from there.
+    /// Finds the near pairs at `positions`, which must be free of intersections.
     pub fn rebuild(&mut self, positions: &[Vector3]) {
         self.rebuilds += 1;
+        let first = self.origin.is_empty();
         self.origin = positions.to_vec();
-        let mut found = self.near_pairs(positions);
-        self.bound.fill(0.5 * BOUND_SHARE * self.settings.reach);
-        self.pairs.clear();
-        for (pair, distance) in found.drain(..) {
-            let bound = 0.5 * BOUND_SHARE * distance;
-            for &p in self.particles_of(pair).iter() {
-                let b = &mut self.bound[p as usize];
-                *b = b.min(bound);
-            }
-            self.pairs.push(pair);
-        }
+        let (touching, found): (Vec<_>, Vec<_>) = self.near_pairs(positions).into_iter().partition(|(pair, distance)| {
+            *distance < TOUCHING && (first || self.excused.binary_search(pair).is_ok())
+        });
+        self.excused = touching.into_iter().map(|(pair, _)| pair).collect();
+        self.excused.sort_unstable();
+        (self.pairs, self.found_distance) = found.into_iter().unzip();
     }
 
     pub fn pair_count(&self) -> usize {
@@ -167,9 +237,9 @@ impl SelfContact {
     pub fn evaluate(&self, positions: &[Vector3], gradient: &mut [Vector3]) -> f64 {
         let mut energy = 0.0;
         for (span, distance, clearance) in self.active(positions) {
-            let depth = clearance - distance;
-            energy += 0.5 * self.settings.stiffness * depth * depth;
-            let pull = span.vector * (-self.settings.stiffness * depth / distance);
+            let (pair_energy, slope, _) = repulsion(distance, clearance, self.settings.stiffness);
+            energy += pair_energy;
+            let pull = span.vector * (slope / distance);
             for (p, w) in span.particles.iter().zip(span.weights) {
                 gradient[*p as usize] += pull * w;
             }
@@ -180,33 +250,77 @@ impl SelfContact {
     /// `dᵀ H d` without what is negative.
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
         let mut sum = 0.0;
-        for (span, distance, _) in self.active(positions) {
+        for (span, distance, clearance) in self.active(positions) {
             let rate: Vector3 =
                 span.particles.iter().zip(span.weights).map(|(p, w)| direction[*p as usize] * w).sum();
-            sum += self.settings.stiffness * (rate.dot(&span.vector) / distance).powi(2);
+            let (_, _, curvature) = repulsion(distance, clearance, self.settings.stiffness);
+            sum += curvature * (rate.dot(&span.vector) / distance).powi(2);
         }
         sum
     }
 
-    /// How many particles the moves would take past their bounds.
-    pub fn exceeding(&self, positions: &[Vector3], moves: &[Vector3]) -> usize {
-        (0..positions.len())
-            .filter(|&p| (positions[p] + moves[p] - self.origin[p]).norm_squared() > self.bound[p].powi(2))
-            .count()
-    }
-
-    /// Cuts moves off at the bounds; tells how many.
-    pub fn truncate(&self, positions: &[Vector3], moves: &mut [Vector3]) -> usize {
-        let mut count = 0;
-        for p in 0..positions.len() {
-            let target = positions[p] + moves[p] - self.origin[p];
-            let length = target.norm();
-            if length > self.bound[p] {
-                moves[p] = self.origin[p] + target * (self.bound[p] / length) - positions[p];
-                count += 1;
+    /// Shortens moves until no pair can pass through each other; tells how many pairs were in the way.
+    ///
+    /// The sides of a pair at distance `d` cannot meet while the moves of their particles, less their
+    /// common mean, add up to less than `d`. Where they do not, the particles' moves are first drawn
+    /// towards the mean; where a few rounds of that do not suffice they are cut to a share of `d`
+    /// each, which may block neighbours in turn; in the end all moves are shortened alike.
+    pub fn limit(&mut self, positions: &[Vector3], moves: &mut [Vector3]) -> usize {
+        let farthest = REBUILD_SHARE * self.settings.reach;
+        for m in moves.iter_mut() {
+            let length = m.norm();
+            if length > farthest {
+                *m *= farthest / length;
             }
         }
-        count
+        let gone = |p: usize| (positions[p] + moves[p] - self.origin[p]).norm_squared() > farthest * farthest;
+        if (0..positions.len()).any(gone) {
+            self.rebuild(positions);
+        }
+        let drift = (0..positions.len()).map(|p| (positions[p] - self.origin[p]).norm_squared()).fold(0.0, f64::max).sqrt();
+        let mut first = None;
+        for round in 0..MOST_ROUNDS {
+            let blocked = self.blocked(positions, moves, drift);
+            first = first.or(Some(blocked.len()));
+            if blocked.is_empty() {
+                break;
+            } else if round < DRAWING_ROUNDS {
+                draw_together(&blocked, moves);
+            } else if round + 1 < MOST_ROUNDS {
+                stop(&blocked, moves);
+            } else {
+                let least = blocked.iter().map(|b| b.share).fold(1.0, f64::min);
+                moves.iter_mut().for_each(|m| *m *= least);
+            }
+        }
+        first.unwrap_or(0)
+    }
+
+    /// Pairs whose sides would come too near.
+    fn blocked(&self, positions: &[Vector3], moves: &[Vector3], drift: f64) -> Vec<Blocked> {
+        self.pairs
+            .par_iter()
+            .zip(&self.found_distance)
+            .with_min_len(512)
+            .filter_map(|(&pair, &found)| {
+                let particles = self.particles_of(pair);
+                let m = particles.map(|p| moves[p as usize]);
+                let mean = (m[0] + m[1] + m[2] + m[3]) * 0.25;
+                let apart = m.map(|m| (m - mean).norm());
+                let closing = match pair {
+                    Pair::VertexFace { .. } => apart[0] + apart[1].max(apart[2]).max(apart[3]),
+                    Pair::EdgeEdge { .. } => apart[0].max(apart[1]) + apart[2].max(apart[3]),
+                };
+                // Most pairs are far from meeting; only for the others the distance is worth measuring.
+                if closing <= APPROACH_SHARE * (found - 2.0 * drift) {
+                    return None;
+                }
+                let distance = self.span(pair, positions).vector.norm();
+                let share = APPROACH_SHARE * distance / closing;
+                // Rounding must not block what was just cut to fit.
+                (share < 1.0 - 1e-9).then_some(Blocked { particles, mean, share, distance })
+            })
+            .collect()
     }
 
     fn adjacent(&self, a: &[u32], b: &[u32]) -> bool {

@@ -8,9 +8,9 @@
 //!     E = ½ eᵀ K e,    K = A M⁻ᵀ C M⁻¹                                   (theory, equation 3)
 //! ```
 //!
-//! with the rest area `A` and the fabric's matrix `C`. Independent springs are the case of a
-//! diagonal `K`; they cannot give warp, weft and shear stiffnesses of their own at once, nor the
-//! same cloth on every mesh.
+//! with the rest area `A` and the fabric's matrix `C`. Independent springs, the paper's, are the case
+//! of a diagonal `K`; they cannot give warp, weft and shear stiffnesses of their own at once, nor the
+//! same cloth on every mesh. They are kept for comparison.
 
 use crate::garment::Level;
 use crate::geometry::{Vector2, Vector3};
@@ -21,6 +21,20 @@ use nalgebra::{Matrix3, matrix};
 /// divides by the length: a collapsed edge has no direction, and a near-zero one would ruin the
 /// conditioning silently.
 const SHORTEST: f64 = 1e-3;
+
+/// Which springs stand for the membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Membrane {
+    /// Coupled within each triangle: the fabric's own stiffnesses on any mesh.
+    #[default]
+    Coupled,
+    /// Independent, as in the paper.
+    Springs,
+}
+
+/// Energy of independent springs on equilateral triangles over the membrane's, for a strain along one
+/// of them: that spring's own and two sixteenths of the others'.
+const SPRING_SHARE: f64 = 1.0 + 2.0 / 16.0;
 
 /// Three coupled springs.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +55,15 @@ struct Edges {
 }
 
 impl Triangle {
-    /// A triangle of fabric with the given rest corners, m. Its warp runs along the panel's y.
-    pub fn new(particles: [u32; 3], rest: [Vector2; 3], fabric: &Fabric) -> Self {
+    /// A triangle of fabric with the given rest corners, m. Its warp runs along the panel's y. Where
+    /// an edge is eased into a seam, `eased` gives its length over its length on the panel.
+    pub fn new(
+        particles: [u32; 3],
+        rest: [Vector2; 3],
+        eased: [f64; 3],
+        fabric: &Fabric,
+        membrane: Membrane,
+    ) -> Self {
         let edges: [Vector2; 3] = std::array::from_fn(|k| rest[(k + 2) % 3] - rest[(k + 1) % 3]);
         let area = 0.5 * crate::geometry::cross(edges[0], edges[1]).abs();
         let row = |edge: Vector2| {
@@ -50,13 +71,21 @@ impl Triangle {
             [n.x * n.x, n.y * n.y, n.x * n.y]
         };
         let [a, b, c] = edges.map(row);
-        let strain_of_edges = matrix![a[0], a[1], a[2]; b[0], b[1], b[2]; c[0], c[1], c[2]]
-            .try_inverse()
-            .unwrap_or_else(Matrix3::zeros);
-        let k = strain_of_edges.transpose() * fabric.membrane_matrix() * strain_of_edges * area;
+        let edges_of_strain = matrix![a[0], a[1], a[2]; b[0], b[1], b[2]; c[0], c[1], c[2]];
+        let fabric_matrix = fabric.membrane_matrix();
+        let k = match membrane {
+            Membrane::Coupled => {
+                let strain_of_edges = edges_of_strain.try_inverse().unwrap_or_else(Matrix3::zeros);
+                strain_of_edges.transpose() * fabric_matrix * strain_of_edges * area
+            }
+            Membrane::Springs => {
+                let along = (edges_of_strain * fabric_matrix * edges_of_strain.transpose()).diagonal();
+                Matrix3::from_diagonal(&(along * (area / SPRING_SHARE)))
+            }
+        };
         Self {
             particles,
-            inverse_rest: edges.map(|e| 1.0 / e.norm()),
+            inverse_rest: std::array::from_fn(|k| 1.0 / (edges[k].norm() * eased[k])),
             stiffness: [k[(0, 0)], k[(1, 1)], k[(2, 2)], k[(1, 2)], k[(0, 2)], k[(0, 1)]],
         }
     }
@@ -123,8 +152,14 @@ impl Triangle {
 }
 
 /// The triangles of a level, of a fabric.
-pub fn triangles(level: &Level, fabric: &Fabric) -> Vec<Triangle> {
-    (0..level.triangles.len()).map(|t| Triangle::new(level.particles(t), level.rest_corners(t), fabric)).collect()
+pub fn triangles(level: &Level, fabric: &Fabric, membrane: Membrane) -> Vec<Triangle> {
+    let mut eased = vec![[1.0; 3]; level.triangles.len()];
+    for edge in &level.eased {
+        eased[edge.triangle as usize][edge.tip as usize] = edge.ratio;
+    }
+    (0..level.triangles.len())
+        .map(|t| Triangle::new(level.particles(t), level.rest_corners(t), eased[t], fabric, membrane))
+        .collect()
 }
 
 #[cfg(test)]
@@ -136,7 +171,7 @@ mod tests {
 
     fn triangle() -> Triangle {
         let fabric = Fabric { shear: 25.0, stretch: crate::pattern::Directional { warp: 500.0, weft: 250.0 }, ..Fabric::default() };
-        Triangle::new([0, 1, 2], REST.map(Vector2::from), &fabric)
+        Triangle::new([0, 1, 2], REST.map(Vector2::from), [1.0; 3], &fabric, Membrane::Coupled)
     }
 
     fn lifted(map: impl Fn(Vector2) -> Vector3) -> [Vector3; 3] {

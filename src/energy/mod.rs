@@ -5,16 +5,27 @@
 //! has the same bytes on any number of threads.
 
 mod bending;
+mod hold;
 mod membrane;
+mod stitch;
 
 pub use bending::{Bending, CrossSpring, HingeForm, QuadraticForm, hinge_form};
-pub use membrane::Triangle;
+pub use hold::Hold;
+pub use membrane::{Membrane, Triangle};
+pub use stitch::Stitches;
 
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::CHUNK;
 use crate::pattern::Fabric;
 use rayon::prelude::*;
+
+/// Which formulas stand for the cloth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Model {
+    pub membrane: Membrane,
+    pub bending: Bending,
+}
 
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.80665;
@@ -78,7 +89,6 @@ pub struct Energy {
     at_corners: Vec<[Vector3; 3]>,
     quadratic: QuadraticForm,
     cross_springs: Vec<CrossSpring>,
-    stitches: Vec<[u32; 2]>,
     /// kg, one per particle.
     masses: Vec<f64>,
     diagonal: Vec<f64>,
@@ -86,15 +96,17 @@ pub struct Energy {
     pub gravity: f64,
     /// Multiplies the membrane stiffness: below one while a level is brought near its shape.
     pub membrane_scale: f64,
-    /// Stiffness of each stitch, N/m.
-    pub sewing_stiffness: f64,
+    /// What closes the seams; nothing once they are closed.
+    pub stitches: Stitches,
+    /// What keeps parts of the garment up while it is put on.
+    pub holds: Vec<Hold>,
 }
 
 impl Energy {
-    pub fn new(level: &Level, fabric: &Fabric, bending: Bending) -> Self {
-        let triangles = membrane::triangles(level, fabric);
+    pub fn new(level: &Level, fabric: &Fabric, model: Model) -> Self {
+        let triangles = membrane::triangles(level, fabric, model.membrane);
         let corners = Corners::new(level.particle_count, triangles.iter().map(|t| t.particles));
-        let (forms, cross_springs): (Vec<_>, Vec<_>) = match bending {
+        let (forms, cross_springs): (Vec<_>, Vec<_>) = match model.bending {
             Bending::Quadratic => (level.hinges.iter().map(|h| hinge_form(level, h, fabric)).collect(), Vec::new()),
             Bending::Springs => (Vec::new(), level.hinges.iter().map(|h| CrossSpring::of(level, h, fabric)).collect()),
         };
@@ -105,12 +117,12 @@ impl Energy {
             corners,
             quadratic: QuadraticForm::new(level.particle_count, &forms),
             cross_springs,
-            stitches: level.stitches.clone(),
+            stitches: Stitches::new(level.stitches.clone()),
             masses,
             diagonal: Vec::new(),
             gravity: GRAVITY,
             membrane_scale: 1.0,
-            sewing_stiffness: 0.0,
+            holds: Vec::new(),
         };
         energy.update_diagonal();
         energy
@@ -139,11 +151,7 @@ impl Energy {
                 self.diagonal[p as usize] += spring.diagonal();
             }
         }
-        for stitch in &self.stitches {
-            for &p in stitch {
-                self.diagonal[p as usize] += self.sewing_stiffness;
-            }
-        }
+        self.stitches.add_diagonal(&mut self.diagonal);
     }
 
     /// Energy at `positions`, with its gradient, N, one per particle.
@@ -195,13 +203,8 @@ impl Energy {
             gradient[a] -= pull;
             gradient[b] += pull;
         }
-        for stitch in &self.stitches {
-            let [a, b] = stitch.map(|p| p as usize);
-            let pull = (positions[b] - positions[a]) * self.sewing_stiffness;
-            terms.sewing += 0.5 * pull.dot(&(positions[b] - positions[a]));
-            gradient[a] -= pull;
-            gradient[b] += pull;
-        }
+        terms.sewing = self.stitches.evaluate(positions, gradient)
+            + self.holds.iter().map(|hold| hold.evaluate(positions, gradient)).sum::<f64>();
         terms
     }
 
@@ -230,11 +233,11 @@ impl Energy {
             .iter()
             .map(|s| s.curvature(s.particles.map(|p| positions[p as usize]), s.particles.map(|p| direction[p as usize])))
             .sum();
-        let stitches: f64 = self
-            .stitches
-            .iter()
-            .map(|&[a, b]| self.sewing_stiffness * (direction[b as usize] - direction[a as usize]).norm_squared())
-            .sum();
-        membrane.iter().sum::<f64>() * self.membrane_scale + bending.iter().sum::<f64>() + springs + stitches
+        let holds: f64 = self.holds.iter().map(|hold| hold.curvature(positions, direction)).sum();
+        membrane.iter().sum::<f64>() * self.membrane_scale
+            + bending.iter().sum::<f64>()
+            + springs
+            + self.stitches.curvature(direction)
+            + holds
     }
 }

@@ -36,10 +36,29 @@ impl Correspondence {
     /// Positions of the finer level's particles on the surface of the coarser level, m, world: what
     /// is affine on the coarse panels is kept. A sewn particle comes to the mean of its points.
     pub fn prolong(&self, coarse: &Level, fine: &Level, positions: &[Vector3]) -> Vec<Vector3> {
+        self.mean_of_points(coarse, fine, positions, |weights| weights)
+    }
+
+    /// The same without extrapolation: what lies outside the coarse triangles comes to their rim.
+    pub fn prolong_within(&self, coarse: &Level, fine: &Level, positions: &[Vector3]) -> Vec<Vector3> {
+        self.mean_of_points(coarse, fine, positions, |weights| {
+            let inner = weights.map(|w| w.max(0.0));
+            let sum: f64 = inner.iter().sum();
+            inner.map(|w| w / sum)
+        })
+    }
+
+    fn mean_of_points(
+        &self,
+        coarse: &Level,
+        fine: &Level,
+        positions: &[Vector3],
+        weights: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Vec<Vector3> {
         let mut sums = vec![(Vector3::zeros(), 0.0); fine.particle_count];
         for (location, &particle) in self.locations.iter().zip(&fine.particle_of) {
             let corners = coarse.particles(location.triangle as usize).map(|p| positions[p as usize]);
-            let [a, b, c] = location.weights;
+            let [a, b, c] = weights(location.weights);
             let sum = &mut sums[particle as usize];
             sum.0 += corners[0] * a + corners[1] * b + corners[2] * c;
             sum.1 += 1.0;

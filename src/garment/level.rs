@@ -28,6 +28,21 @@ pub struct Level {
     pub hinges: Vec<Hinge>,
     /// Per seam of the pattern: the points along both its sides, partner by partner.
     pub seams: Vec<[Vec<u32>; 2]>,
+    /// Per panel and segment: the points along it, both corners included.
+    pub segments: Vec<Vec<Vec<u32>>>,
+    /// Edges that are sewn to shorter ones.
+    pub eased: Vec<Eased>,
+}
+
+/// A triangle's edge on the longer side of a seam: the shorter side imposes its length, and what is
+/// too long lies in gathers finer than the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Eased {
+    pub triangle: u32,
+    /// The corner opposite to the edge.
+    pub tip: u8,
+    /// Length of the shorter side over that of the longer, below one.
+    pub ratio: f64,
 }
 
 /// Where the points and triangles of a panel stand in the arrays of its level.

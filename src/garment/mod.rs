@@ -7,14 +7,14 @@ mod outline;
 mod triangulate;
 
 pub use correspondence::{Correspondence, Location};
-pub use level::{Hinge, Level, PanelRange};
+pub use level::{Eased, Hinge, Level, PanelRange};
 
 use crate::Error;
 use crate::geometry::{UnionFind, Vector3};
 use crate::pattern::{Pattern, Sense};
 use level::panel_hinges;
 use order::morton_order;
-use outline::{Outline, Outlines};
+use outline::Outlines;
 use triangulate::triangulate;
 
 /// The finest resolution that is of use, m; finer ones are a slip of the unit.
@@ -67,15 +67,6 @@ impl Garment {
     }
 }
 
-/// Particles of the open level where the pattern places its panels, m, world.
-pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
-    let mut positions = Vec::with_capacity(open.rest.len());
-    for (panel, range) in pattern.panels.iter().zip(&open.panels) {
-        positions.extend(open.rest[range.points.clone()].iter().map(|&p| panel.placement.place(p)));
-    }
-    positions
-}
-
 fn check_resolutions(resolutions: &[f64]) -> Result<(), Error> {
     let range = FINEST_RESOLUTION..=COARSEST_RESOLUTION;
     if resolutions.is_empty() {
@@ -108,12 +99,15 @@ fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: 
         stitches: Vec::new(),
         hinges: Vec::new(),
         seams: Vec::new(),
+        segments: Vec::new(),
+        eased: Vec::new(),
     };
-    // Per panel: its outline, and where each outline point went in the spatial order.
-    let mut rims: Vec<(Outline, Vec<u32>)> = Vec::new();
     for (index, panel) in pattern.panels.iter().enumerate() {
         let outline = outlines.outline(pattern, index, level);
         let mesh = triangulate(&outline, resolution).map_err(|e| e.within(format!("panel \"{}\"", panel.name)))?;
+        if cfg!(debug_assertions) {
+            mesh.sanity_check();
+        }
         let (first_point, first_triangle) = (built.rest.len(), built.triangles.len());
         let order = morton_order(&mesh.points);
         let mut place = vec![0; order.len()];
@@ -139,17 +133,18 @@ fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: 
             points: first_point..built.rest.len(),
             triangles: first_triangle..built.triangles.len(),
         });
-        place.truncate(outline.points.len());
-        rims.push((outline, place));
+        let along = |k: usize| {
+            let steps = outline.segments[k].1;
+            (0..=steps).map(|s| place[outline.point_of(k, s)]).collect()
+        };
+        built.segments.push((0..panel.segments.len()).map(along).collect());
     }
     built.particle_count = built.rest.len();
     built.particle_of = (0..built.rest.len() as u32).collect();
     for seam in &pattern.seams {
         let side = |k: usize| {
             let id = seam.sides[k];
-            let (outline, place) = &rims[id.panel];
-            let steps = outline.segments[id.segment].1;
-            let mut points: Vec<u32> = (0..=steps).map(|s| place[outline.point_of(id.segment, s)]).collect();
+            let mut points: Vec<u32> = built.segments[id.panel][id.segment].clone();
             if k == 1 && seam.sense == Sense::Opposed {
                 points.reverse();
             }
@@ -162,6 +157,7 @@ fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: 
         built.stitches.extend(pairs);
         built.seams.push(sides);
     }
+    built.eased = eased(&built, pattern);
     Ok(built)
 }
 
@@ -188,23 +184,31 @@ fn sewn(open: &Level, pattern: &Pattern) -> Level {
     level
 }
 
+/// Border edges of the panels by their points, the smaller first: their triangle and its tip.
+type Rim = std::collections::HashMap<(u32, u32), (u32, u8)>;
+
+fn rim(level: &Level) -> Rim {
+    let mut rim = Rim::new();
+    for (t, &[a, b, c]) in level.triangles.iter().enumerate() {
+        for (tip, (p, q)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
+            rim.insert((p.min(q), p.max(q)), (t as u32, tip as u8));
+        }
+    }
+    rim
+}
+
 /// Hinges across the closed seams. A seam that folds one panel over the other has none: the fold
 /// is free.
 fn seam_hinges(level: &Level, pattern: &Pattern) -> Vec<Hinge> {
-    let mut at_edge = std::collections::HashMap::new();
-    for (t, &[a, b, c]) in level.triangles.iter().enumerate() {
-        for (tip, (p, q)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
-            at_edge.insert((p.min(q), p.max(q)), (t as u32, tip as u8));
-        }
-    }
+    let rim = rim(level);
     let mut hinges = Vec::new();
     for (seam, [side_a, side_b]) in pattern.seams.iter().zip(&level.seams) {
         if seam.sense == Sense::Aligned {
             continue;
         }
         for (a, b) in side_a.windows(2).zip(side_b.windows(2)) {
-            let rim = |w: &[u32]| at_edge[&(w[0].min(w[1]), w[0].max(w[1]))];
-            let ((ta, tip_a), (tb, tip_b)) = (rim(a), rim(b));
+            let at = |w: &[u32]| rim[&(w[0].min(w[1]), w[0].max(w[1]))];
+            let ((ta, tip_a), (tb, tip_b)) = (at(a), at(b));
             if ta != tb {
                 hinges.push(Hinge { triangles: [ta, tb], tips: [tip_a, tip_b] });
             }
@@ -212,6 +216,26 @@ fn seam_hinges(level: &Level, pattern: &Pattern) -> Vec<Hinge> {
     }
     hinges
 }
+
+/// The edges on the longer sides of the seams.
+fn eased(level: &Level, pattern: &Pattern) -> Vec<Eased> {
+    let rim = rim(level);
+    let mut eased = Vec::new();
+    for (seam, sides) in pattern.seams.iter().zip(&level.seams) {
+        let [a, b] = pattern.seam_lengths(seam);
+        let (longer, ratio) = if a > b { (&sides[0], b / a) } else { (&sides[1], a / b) };
+        if ratio < 1.0 - EQUAL_LENGTHS {
+            eased.extend(longer.windows(2).map(|w| {
+                let (triangle, tip) = rim[&(w[0].min(w[1]), w[0].max(w[1]))];
+                Eased { triangle, tip, ratio }
+            }));
+        }
+    }
+    eased
+}
+
+/// Sides of a seam that differ by less than this share are drawn equal.
+const EQUAL_LENGTHS: f64 = 1e-3;
 
 /// Sewing must neither fold a triangle onto itself nor lay two triangles on one another.
 fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {

@@ -76,6 +76,24 @@ pub fn closest_between_segments([p0, p1]: [Vector3; 2], [q0, q1]: [Vector3; 2]) 
     }
 }
 
+/// Distance between two triangles that do not intersect; some positive number where they do.
+pub fn triangle_distance(a: [Vector3; 3], b: [Vector3; 3]) -> f64 {
+    let to_face = |p: Vector3, t: [Vector3; 3]| {
+        let w = closest_on_triangle(p, t);
+        (t[0] * w[0] + t[1] * w[1] + t[2] * w[2] - p).norm()
+    };
+    let mut least = f64::INFINITY;
+    for i in 0..3 {
+        least = least.min(to_face(a[i], b)).min(to_face(b[i], a));
+        for j in 0..3 {
+            let (p, q) = ([a[i], a[(i + 1) % 3]], [b[j], b[(j + 1) % 3]]);
+            let SegmentPair { s, t } = closest_between_segments(p, q);
+            least = least.min((p[0].lerp(&p[1], s) - q[0].lerp(&q[1], t)).norm());
+        }
+    }
+    least
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,3 +2,4 @@
 
 pub mod body_obj;
 pub mod garmentcode;
+pub mod picture;

@@ -1,7 +1,7 @@
 //! What is minimized on one level: the energy of the cloth and its contacts.
 
 use crate::contact::{BodyContact, SelfContact};
-use crate::energy::{Energy, Terms};
+use crate::energy::{Energy, GRAVITY, Terms};
 use crate::geometry::Vector3;
 use crate::minimize::Problem;
 
@@ -9,17 +9,15 @@ use crate::minimize::Problem;
 pub struct Relaxation<'a> {
     pub energy: Energy,
     pub body: BodyContact<'a>,
-    pub cloth: Option<SelfContact>,
+    pub cloth: SelfContact,
     /// Energies of the last evaluation.
     pub terms: Terms,
     diagonal: Vec<f64>,
-    since_rebuild: usize,
-    pub truncations: usize,
 }
 
 impl<'a> Relaxation<'a> {
-    pub fn new(energy: Energy, body: BodyContact<'a>, cloth: Option<SelfContact>) -> Self {
-        let mut problem = Self { energy, body, cloth, terms: Terms::default(), diagonal: Vec::new(), since_rebuild: 0, truncations: 0 };
+    pub fn new(energy: Energy, body: BodyContact<'a>, cloth: SelfContact) -> Self {
+        let mut problem = Self { energy, body, cloth, terms: Terms::default(), diagonal: Vec::new() };
         problem.update_diagonal();
         problem
     }
@@ -30,18 +28,37 @@ impl<'a> Relaxation<'a> {
         let contact = self.body.diagonal();
         self.diagonal = self.energy.diagonal().iter().map(|d| d + contact).collect();
     }
+
+    /// Gradient lengths in particle weights: root mean square and maximum.
+    pub fn residual(&self, gradient: &[Vector3]) -> Residual {
+        let mut residual = Residual { rms: 0.0, max: 0.0 };
+        for (g, m) in gradient.iter().zip(self.energy.masses()) {
+            let weights = g.norm() / (m * GRAVITY);
+            residual.rms += weights * weights;
+            residual.max = residual.max.max(weights);
+        }
+        residual.rms = (residual.rms / gradient.len() as f64).sqrt();
+        residual
+    }
+}
+
+/// How far a state is from equilibrium, in particle weights.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residual {
+    pub rms: f64,
+    pub max: f64,
 }
 
 impl Problem for Relaxation<'_> {
     fn evaluate(&mut self, points: &[Vector3], gradient: &mut [Vector3]) -> f64 {
         self.terms = self.energy.evaluate(points, gradient);
-        let cloth = self.cloth.as_ref().map_or(0.0, |c| c.evaluate(points, gradient));
-        self.terms.total() + self.body.evaluate(points, gradient) + cloth
+        self.terms.total() + self.body.evaluate(points, gradient) + self.cloth.evaluate(points, gradient)
     }
 
     fn curvature(&mut self, points: &[Vector3], direction: &[Vector3]) -> f64 {
-        let cloth = self.cloth.as_ref().map_or(0.0, |c| c.curvature(points, direction));
-        self.energy.curvature(points, direction) + self.body.curvature(direction) + cloth
+        self.energy.curvature(points, direction)
+            + self.body.curvature(direction)
+            + self.cloth.curvature(points, direction)
     }
 
     fn diagonal(&self) -> &[f64] {
@@ -49,18 +66,6 @@ impl Problem for Relaxation<'_> {
     }
 
     fn limit(&mut self, points: &[Vector3], moves: &mut [Vector3]) -> bool {
-        let Some(cloth) = &mut self.cloth else { return false };
-        self.since_rebuild += 1;
-        let exceeding = cloth.exceeding(points, moves);
-        if exceeding == 0 {
-            return false;
-        }
-        if exceeding > points.len() / 100 || self.since_rebuild > 10 {
-            cloth.rebuild(points);
-            self.since_rebuild = 0;
-        }
-        let cut = cloth.truncate(points, moves);
-        self.truncations += cut;
-        cut > points.len() / 100
+        self.cloth.limit(points, moves) > 0
     }
 }

@@ -1,0 +1,373 @@
+//! Where the panels start: as the pattern places them, moved where the body is in the way.
+//!
+//! A seam closes along the straight lines between its stitches. Where such a line passes through
+//! the body the seam cannot close, or closes on the wrong side of a limb: shoulders whose panels
+//! start too low, sleeves that start beside their arm or at another angle. Each panel is therefore
+//! moved, rigidly and as little as possible, until the lines of its stitches are as clear of the
+//! body as they can be and no part of it starts inside (a pattern search; the automatic placement of
+//! Le Thanh and Gagalowicz 2005 has the same aim).
+
+use crate::body::{Body, DistanceField};
+use crate::garment::{Level, PanelRange};
+use crate::geometry::{BoxTree, UnionFind, Vector3, triangle_distance};
+use crate::pattern::Pattern;
+
+/// First positions, and how they differ from the pattern's own placement.
+pub struct Arrangement {
+    /// One per particle of the open level, m, world.
+    pub positions: Vec<Vector3>,
+    /// How far the middle of each panel was moved, m.
+    pub shifts: Vec<Vector3>,
+}
+
+/// Side of a cell of the distance field that the search asks, m: coarse, as it asks often.
+const FIELD_CELL: f64 = 0.012;
+/// Steps of the search, m, long to short.
+const STEPS: [f64; 4] = [0.04, 0.02, 0.01, 0.005];
+/// A turn by this, rad, goes with a step of one metre: 7 degrees with the longest.
+const TURN: f64 = 3.0;
+/// The farthest that a panel is moved, m: beyond it the garment was made for another body.
+const FARTHEST: f64 = 0.16;
+/// The farthest that it is turned, rad: arms of another pose than the pattern's.
+const FARTHEST_TURN: f64 = 0.35;
+/// Distance between samples along a stitch's line, m: finds a wrist.
+const SIGHT_SPACING: f64 = 0.01;
+/// Lines and panels should pass the body at least this far outside, m: the thickness of a seam.
+const SIGHT_CLEARANCE: f64 = 0.005;
+/// And if they can, this far, m: a tube that closes around a limb turns some way around it.
+const SIGHT_MARGIN: f64 = 0.04;
+/// What a line costs that passes the body at no distance, over one that passes inside it.
+const MARGIN_PRICE: f64 = 0.3;
+/// What a metre of shift costs, for each stitch, in metres of blocked line: panels move when that
+/// clears at least this share of their stitches by as much as they move.
+const SHIFT_PRICE: f64 = 0.03;
+/// The same for a shift against the partner of a stitch.
+const RELATIVE_PRICE: f64 = 0.06;
+/// Panels are not moved nearer to each other than this, m.
+const PANEL_CLEARANCE: f64 = 0.004;
+/// How often all panels are visited at one step length.
+const MOST_ROUNDS: usize = 8;
+/// Where panels may move, besides along their own outward normal: up, down, sideways and aslant, as
+/// arms hang.
+const DIRECTIONS: [[f64; 3]; 8] = {
+    const ASLANT: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    [
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [ASLANT, ASLANT, 0.0],
+        [-ASLANT, ASLANT, 0.0],
+        [ASLANT, -ASLANT, 0.0],
+        [-ASLANT, -ASLANT, 0.0],
+    ]
+};
+
+/// Particles of the open level where the pattern places its panels, m, world.
+pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
+    let mut positions = Vec::with_capacity(open.rest.len());
+    for (panel, range) in pattern.panels.iter().zip(&open.panels) {
+        positions.extend(open.rest[range.points.clone()].iter().map(|&p| panel.placement.place(p)));
+    }
+    positions
+}
+
+/// Places the panels and moves them where the body is in the way of their seams.
+pub fn arrange(pattern: &Pattern, open: &Level, body: &Body) -> Arrangement {
+    let field = DistanceField::new(body, FIELD_CELL, SIGHT_MARGIN);
+    let search = Search::new(pattern, open, &field);
+    let motions = search.run(pattern);
+    let shifts = motions.iter().zip(&search.middles).map(|(motion, &middle)| motion.of(middle) - middle).collect();
+    let mut positions = search.positions;
+    for (range, motion) in open.panels.iter().zip(&motions) {
+        positions[range.points.clone()].iter_mut().for_each(|p| *p = motion.of(*p));
+    }
+    Arrangement { positions, shifts }
+}
+
+/// A turn about the z axis, which looks from front to back, and a shift: `x ↦ R x + t`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Motion {
+    /// rad.
+    angle: f64,
+    /// m.
+    shift: Vector3,
+}
+
+impl Motion {
+    const NONE: Motion = Motion { angle: 0.0, shift: Vector3::new(0.0, 0.0, 0.0) };
+
+    fn turned(angle: f64, v: Vector3) -> Vector3 {
+        let (sin, cos) = angle.sin_cos();
+        Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
+    }
+
+    fn of(&self, point: Vector3) -> Vector3 {
+        Self::turned(self.angle, point) + self.shift
+    }
+
+    /// The point that this motion brings to `point`.
+    fn before(&self, point: Vector3) -> Vector3 {
+        Self::turned(-self.angle, point - self.shift)
+    }
+
+    /// This motion, then a turn about `center` and a shift.
+    fn then(&self, angle: f64, center: Vector3, by: Vector3) -> Self {
+        Self { angle: self.angle + angle, shift: Self::turned(angle, self.shift - center) + center + by }
+    }
+}
+
+struct Search<'a> {
+    open: &'a Level,
+    field: &'a DistanceField,
+    /// As placed, m, world.
+    positions: Vec<Vector3>,
+    panel_of: Vec<usize>,
+    /// Per panel: its stitches.
+    stitches: Vec<Vec<[u32; 2]>>,
+    /// Per panel: the middle of its particles, and how far they reach from it, as placed.
+    middles: Vec<Vector3>,
+    reaches: Vec<f64>,
+    /// Per panel: its triangles, as placed.
+    trees: Vec<BoxTree>,
+}
+
+impl<'a> Search<'a> {
+    fn new(pattern: &Pattern, open: &'a Level, field: &'a DistanceField) -> Self {
+        let mut panel_of = vec![0; open.particle_count];
+        for (panel, range) in open.panels.iter().enumerate() {
+            panel_of[range.points.clone()].fill(panel);
+        }
+        let mut stitches = vec![Vec::new(); pattern.panels.len()];
+        for &[a, b] in &open.stitches {
+            let (p, q) = (panel_of[a as usize], panel_of[b as usize]);
+            stitches[p].push([a, b]);
+            if p != q {
+                stitches[q].push([a, b]);
+            }
+        }
+        let positions = placed(pattern, open);
+        let middle = |range: &PanelRange| {
+            let points = &positions[range.points.clone()];
+            points.iter().sum::<Vector3>() / points.len() as f64
+        };
+        let middles: Vec<Vector3> = open.panels.iter().map(middle).collect();
+        let reach = |(range, middle): (&PanelRange, &Vector3)| {
+            positions[range.points.clone()].iter().map(|p| (p - middle).norm()).fold(0.0, f64::max)
+        };
+        let reaches = open.panels.iter().zip(&middles).map(reach).collect();
+        let corners = |t: usize| open.particles(t).map(|p| positions[p as usize]);
+        let tree = |range: &PanelRange| BoxTree::of_triangles(range.triangles.clone().map(corners), 0.0);
+        let trees = open.panels.iter().map(tree).collect();
+        Self { open, field, positions, panel_of, stitches, middles, reaches, trees }
+    }
+
+    /// Moves all panels together, then pairs of units that are sewn to each other, then single units.
+    fn run(&self, pattern: &Pattern) -> Vec<Motion> {
+        let count = pattern.panels.len();
+        let mut motions = vec![Motion::NONE; count];
+        let units = self.units();
+        let mut groups: Vec<Vec<usize>> = vec![(0..count).collect()];
+        groups.extend(self.pairs(&units));
+        groups.extend(units);
+        for step in STEPS {
+            for _ in 0..MOST_ROUNDS {
+                let mut moved = false;
+                for group in &groups {
+                    let outward = pattern.panels[group[0]].outward_normal();
+                    moved |= self.improve(group, outward, step, &mut motions);
+                }
+                if !moved {
+                    break;
+                }
+            }
+        }
+        motions
+    }
+
+    /// Panels that are placed edge to edge along a seam move as one.
+    fn units(&self) -> Vec<Vec<usize>> {
+        let mut sets = UnionFind::new(self.stitches.len());
+        for (panel, stitches) in self.stitches.iter().enumerate() {
+            let mut joined = vec![0; self.stitches.len()];
+            for &[a, b] in stitches {
+                let gap = (self.positions[a as usize] - self.positions[b as usize]).norm();
+                let (p, q) = (self.panel_of[a as usize], self.panel_of[b as usize]);
+                joined[if p == panel { q } else { p }] += usize::from(gap < PANEL_CLEARANCE);
+            }
+            // Two stitches make an edge.
+            for (other, _) in joined.iter().enumerate().filter(|(q, joined)| *q != panel && **joined >= 2) {
+                sets.union(panel as u32, other as u32);
+            }
+        }
+        let of = |unit: usize, sets: &mut UnionFind| {
+            (0..self.stitches.len()).filter(|&p| sets.find(p as u32) as usize == unit).collect::<Vec<_>>()
+        };
+        (0..self.stitches.len()).map(|p| of(p, &mut sets)).filter(|unit| !unit.is_empty()).collect()
+    }
+
+    /// Each unit with the one that it shares most stitches with.
+    fn pairs(&self, units: &[Vec<usize>]) -> Vec<Vec<usize>> {
+        let mut unit_of = vec![0; self.stitches.len()];
+        for (unit, panels) in units.iter().enumerate() {
+            panels.iter().for_each(|&p| unit_of[p] = unit);
+        }
+        let mut pairs: Vec<Vec<usize>> = Vec::new();
+        for (unit, panels) in units.iter().enumerate() {
+            let mut shared = vec![0; units.len()];
+            for &[a, b] in panels.iter().flat_map(|&p| &self.stitches[p]) {
+                for p in [a, b] {
+                    shared[unit_of[self.panel_of[p as usize]]] += 1;
+                }
+            }
+            shared[unit] = 0;
+            let partner = (0..shared.len()).max_by_key(|&q| (shared[q], usize::MAX - q)).unwrap_or(unit);
+            let mut pair = [panels.as_slice(), units[partner].as_slice()].concat();
+            pair.sort_unstable();
+            if partner != unit && shared[partner] > 0 && !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+        pairs
+    }
+
+    /// Moves a group of panels by one step if that pays.
+    fn improve(&self, group: &[usize], outward: Vector3, step: f64, motions: &mut [Motion]) -> bool {
+        let start: Vec<Motion> = group.iter().map(|&p| motions[p]).collect();
+        let center = group.iter().map(|&p| motions[p].of(self.middles[p])).sum::<Vector3>() / group.len() as f64;
+        let shifts = DIRECTIONS.map(Vector3::from).into_iter().chain([outward]).map(|d| (0.0, d * step));
+        let turns = [TURN * step, -TURN * step].map(|angle| (angle, Vector3::zeros()));
+        let mut best = (self.cost(group, motions), start.clone());
+        for (angle, by) in shifts.chain(turns) {
+            let trial: Vec<Motion> = start.iter().map(|m| m.then(angle, center, by)).collect();
+            let too_far = |(m, &p): (&Motion, &usize)| {
+                (m.of(self.middles[p]) - self.middles[p]).norm() > FARTHEST || m.angle.abs() > FARTHEST_TURN
+            };
+            if trial.iter().zip(group).any(too_far) {
+                continue;
+            }
+            group.iter().zip(&trial).for_each(|(&p, m)| motions[p] = *m);
+            let cost = self.cost(group, motions);
+            if cost < best.0 - 1e-9 && !self.touches_others(group, motions) {
+                best = (cost, trial);
+            }
+        }
+        group.iter().zip(&best.1).for_each(|(&p, m)| motions[p] = *m);
+        best.1 != start
+    }
+
+    /// What of the lines of the panels' stitches, and of the panels themselves, is in the body, and
+    /// what the motions cost, m.
+    fn cost(&self, group: &[usize], motions: &[Motion]) -> f64 {
+        let at = |p: u32| motions[self.panel_of[p as usize]].of(self.positions[p as usize]);
+        let mut cost = 0.0;
+        for &panel in group {
+            for &[a, b] in &self.stitches[panel] {
+                let (to_a, to_b) = (at(a), at(b));
+                let (by_a, by_b) = (to_a - self.positions[a as usize], to_b - self.positions[b as usize]);
+                cost += self.blocked(to_a, to_b);
+                cost += RELATIVE_PRICE * (by_a - by_b).norm();
+                cost += SHIFT_PRICE * 0.5 * (by_a.norm() + by_b.norm());
+            }
+            let range = self.open.panels[panel].points.clone();
+            cost += range.map(|p| self.depth(at(p as u32))).sum::<f64>();
+        }
+        cost
+    }
+
+    /// Does a panel of the group come nearer to one outside it than they were placed? Panels placed
+    /// edge to edge may part, but not slide over each other.
+    fn touches_others(&self, group: &[usize], motions: &[Motion]) -> bool {
+        group.iter().any(|&panel| {
+            (0..motions.len()).filter(|q| !group.contains(q)).any(|other| {
+                let near = self.near(panel, other, &motions[panel], &motions[other]);
+                near > 0 && near > self.near(panel, other, &Motion::NONE, &Motion::NONE)
+            })
+        })
+    }
+
+    /// How many pairs of triangles of two moved panels are too near to each other.
+    fn near(&self, panel: usize, other: usize, motion: &Motion, other_motion: &Motion) -> usize {
+        let (middle, other_middle) = (motion.of(self.middles[panel]), other_motion.of(self.middles[other]));
+        if (middle - other_middle).norm() > self.reaches[panel] + self.reaches[other] + PANEL_CLEARANCE {
+            return 0;
+        }
+        let grow = Vector3::repeat(PANEL_CLEARANCE);
+        let triangle = |t: usize| self.open.particles(t).map(|p| self.positions[p as usize]);
+        let mut near = 0;
+        for t in self.open.panels[panel].triangles.clone() {
+            // In the other panel's own placement, where its tree is.
+            let corners = triangle(t).map(|p| other_motion.before(motion.of(p)));
+            let [a, b, c] = corners;
+            self.trees[other].for_each_meeting(a.inf(&b).inf(&c) - grow, a.sup(&b).sup(&c) + grow, |k| {
+                let facing = triangle(self.open.panels[other].triangles.start + k as usize);
+                near += usize::from(triangle_distance(corners, facing) < PANEL_CLEARANCE);
+            });
+        }
+        near
+    }
+
+    /// Length of a segment's part in the body, m, and a share of that near the body.
+    fn blocked(&self, a: Vector3, b: Vector3) -> f64 {
+        let length = (b - a).norm();
+        let samples = (length / SIGHT_SPACING).ceil();
+        // A sample counts whole once it is as deep as samples are apart: the cost has no steps.
+        let share = |k: usize| {
+            self.field.sample(a.lerp(&b, k as f64 / samples)).map_or(0.0, |s| {
+                let inside = ((SIGHT_CLEARANCE - s.distance) / SIGHT_SPACING).clamp(0.0, 1.0);
+                let near = (1.0 - s.distance / SIGHT_MARGIN).clamp(0.0, 1.0);
+                inside + MARGIN_PRICE * near * near
+            })
+        };
+        length * (1..samples as usize).map(share).sum::<f64>() / samples.max(1.0)
+    }
+
+    fn depth(&self, point: Vector3) -> f64 {
+        self.field.sample(point).map_or(0.0, |s| (SIGHT_CLEARANCE - s.distance).max(0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::Garment;
+    use crate::geometry::Vector2;
+    use crate::pattern::{Curve, Panel, Placement, Seam, Segment, SegmentId, Sense};
+
+    /// A square panel of 40 cm in front of or behind the body, its lower edge at `y`.
+    fn square(name: &str, y: f64, z: f64) -> Panel {
+        let corners = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.4], [-0.2, 0.4]].map(Vector2::from);
+        let segments = (0..4)
+            .map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None })
+            .collect();
+        let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::new(0.0, y, z) };
+        Panel { name: name.to_owned(), segments, placement, part: None }
+    }
+
+    #[test]
+    fn panels_rise_until_their_shoulder_seam_passes_over_the_body() {
+        // The upper edges meet above a ball of one metre; they start 5 cm below its top.
+        let (positions, triangles) = crate::body::shapes::sphere(Vector3::new(0.0, 0.5, 0.0), 0.5, 30);
+        let (body, _) = Body::new(positions, triangles).unwrap();
+        let top = |panel| SegmentId { panel, segment: 2 };
+        let seams = vec![Seam { sides: [top(0), top(1)], sense: Sense::Aligned }];
+        let panels = vec![square("front", 0.55, 0.6), square("back", 0.55, -0.6)];
+        let pattern = Pattern { name: "test".into(), panels, seams };
+        let garment = Garment::build(&pattern, &[0.05]).unwrap();
+        let arrangement = arrange(&pattern, &garment.open, &body);
+        for shift in arrangement.shifts {
+            assert!((0.04..0.1).contains(&shift.y) && shift.x.abs() < 0.01, "{shift}");
+        }
+    }
+
+    #[test]
+    fn motions_compose_and_invert() {
+        let center = Vector3::new(0.3, 1.0, 0.2);
+        let motion = Motion::NONE.then(0.2, center, Vector3::new(0.1, 0.0, 0.0)).then(-0.5, center, Vector3::y());
+        let point = Vector3::new(-0.2, 0.7, 0.4);
+        assert!((motion.before(motion.of(point)) - point).norm() < 1e-15);
+        let once = Motion::NONE.then(0.2, center, Vector3::new(0.1, 0.0, 0.0)).of(point);
+        let twice = Motion::turned(-0.5, once - center) + center + Vector3::y();
+        assert!((motion.of(point) - twice).norm() < 1e-15);
+    }
+}

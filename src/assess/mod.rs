@@ -1,0 +1,131 @@
+//! How good a state is: seams, strain, clearance, intersections. Nothing here changes anything.
+
+mod intersections;
+mod strain;
+
+pub use intersections::{body_intersections, cloth_intersections};
+pub use strain::{Strain, principal_stretches};
+
+use crate::body::Body;
+use crate::garment::Level;
+use crate::geometry::Vector3;
+use crate::pattern::Pattern;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// What was measured on a state of one level.
+#[derive(Clone, Debug)]
+pub struct Assessment {
+    /// Of all triangles.
+    pub strain: Strain,
+    /// The same, less what unequal seams impose on the triangles that touch them.
+    pub strain_less_gathers: Strain,
+    pub seams: SeamGaps,
+    pub clearance: Clearance,
+    pub intersections: Intersections,
+}
+
+/// Distances between points that are to be sewn together, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeamGaps {
+    pub pairs: usize,
+    pub largest: f64,
+    pub mean: f64,
+}
+
+/// Distances of the particles from the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// The least, m, negative inside the body.
+    pub least: f64,
+    /// Particles inside the body.
+    pub inside: usize,
+    /// Particles nearer than the clearance asked for, less [`CLEARANCE_TOLERANCE`].
+    pub too_near: usize,
+}
+
+/// Triangles that cross each other.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Intersections {
+    /// Pairs of a cloth and a body triangle.
+    pub body_pairs: usize,
+    /// Pairs of cloth triangles.
+    pub cloth_pairs: usize,
+    /// Cloth triangles in any of these pairs, ascending.
+    pub triangles: Vec<u32>,
+    /// Pairs by the panels they belong to, which are named in order; a panel and the body share the
+    /// key `(panel, None)`.
+    pub by_panels: BTreeMap<(usize, Option<usize>), usize>,
+}
+
+/// How far below its clearance a particle may be and count as clear, m.
+pub const CLEARANCE_TOLERANCE: f64 = 1e-4;
+
+/// Measures the state `positions` of a level; `clearance` is what was asked for, m.
+pub fn assess(pattern: &Pattern, level: &Level, positions: &[Vector3], body: &Body, clearance: f64) -> Assessment {
+    let allowance = strain::gather_allowance(pattern, level);
+    Assessment {
+        strain: Strain::of(level, positions, &vec![0.0; level.triangles.len()]),
+        strain_less_gathers: Strain::of(level, positions, &allowance),
+        seams: seam_gaps(level, positions),
+        clearance: Clearance::of(positions, body, clearance),
+        intersections: Intersections::of(level, positions, body),
+    }
+}
+
+fn seam_gaps(level: &Level, positions: &[Vector3]) -> SeamGaps {
+    let at = |point: u32| positions[level.particle_of[point as usize] as usize];
+    let gaps: Vec<f64> = level
+        .seams
+        .iter()
+        .flat_map(|[a, b]| a.iter().zip(b).filter(|(a, b)| a != b).map(|(&a, &b)| (at(a) - at(b)).norm()))
+        .collect();
+    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
+    SeamGaps { pairs: gaps.len(), largest: gaps.iter().copied().fold(0.0, f64::max), mean }
+}
+
+impl Clearance {
+    fn of(positions: &[Vector3], body: &Body, clearance: f64) -> Self {
+        // Only particles near the body decide; the others' distances are not worth an exact query.
+        let reach = clearance.max(0.0) + 0.005;
+        let distances: Vec<f64> = positions
+            .par_iter()
+            .with_min_len(256)
+            .map(|&p| {
+                let near = body.nearest(p, reach).map_or(reach, |n| n.distance);
+                if !body.contains(p) {
+                    return near;
+                }
+                -body.nearest(p, f64::INFINITY).map_or(0.0, |n| n.distance)
+            })
+            .collect();
+        let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        let inside = distances.iter().filter(|&&d| d < 0.0).count();
+        let too_near = distances.iter().filter(|&&d| d < clearance - CLEARANCE_TOLERANCE).count();
+        Self { least, inside, too_near }
+    }
+}
+
+impl Intersections {
+    pub fn of(level: &Level, positions: &[Vector3], body: &Body) -> Self {
+        let (with_body, with_cloth) = (body_intersections(level, positions, body), cloth_intersections(level, positions));
+        let panel_of = level.panel_of_triangle();
+        let mut found = Self { body_pairs: with_body.len(), cloth_pairs: with_cloth.len(), ..Self::default() };
+        for &[t, _] in &with_body {
+            *found.by_panels.entry((panel_of[t as usize] as usize, None)).or_default() += 1;
+            found.triangles.push(t);
+        }
+        for &[t, u] in &with_cloth {
+            let (p, q) = (panel_of[t as usize] as usize, panel_of[u as usize] as usize);
+            *found.by_panels.entry((p.min(q), Some(p.max(q)))).or_default() += 1;
+            found.triangles.extend([t, u]);
+        }
+        found.triangles.sort_unstable();
+        found.triangles.dedup();
+        found
+    }
+
+    pub fn is_clean(&self) -> bool {
+        self.body_pairs == 0 && self.cloth_pairs == 0
+    }
+}

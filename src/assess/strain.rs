@@ -1,0 +1,121 @@
+//! Stretch and compression of the cloth.
+
+use crate::garment::Level;
+use crate::geometry::{Vector2, Vector3};
+use crate::pattern::Pattern;
+
+/// Strains as shares of one, weighted by rest area. A triangle has two principal stretches σ; its
+/// strain is the larger `|σ - 1|`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Strain {
+    /// Of both principal stretches' `|σ - 1|`.
+    pub mean: f64,
+    pub p99: f64,
+    pub max: f64,
+    /// Of the larger stretch alone, `σ - 1`, where it is positive.
+    pub stretch_p99: f64,
+    pub stretch_max: f64,
+    /// Of the smaller stretch alone, `1 - σ`, where it is positive.
+    pub compression_p99: f64,
+    pub compression_max: f64,
+}
+
+/// The principal stretches of a triangle, the larger first: the singular values of the map from its
+/// rest corners, m, to its corners, m. `None` for a triangle without rest area.
+pub fn principal_stretches(rest: [Vector2; 3], corners: [Vector3; 3]) -> Option<[f64; 2]> {
+    let inverse = nalgebra::Matrix2::from_columns(&[rest[1] - rest[0], rest[2] - rest[0]]).try_inverse()?;
+    let map = nalgebra::Matrix3x2::from_columns(&[corners[1] - corners[0], corners[2] - corners[0]]) * inverse;
+    // Eigenvalues of the 2 × 2 metric in closed form.
+    let metric = map.transpose() * map;
+    let (mean, half) = (0.5 * metric.trace(), 0.5 * (metric[(0, 0)] - metric[(1, 1)]));
+    let spread = half.hypot(metric[(0, 1)]);
+    Some([(mean + spread).sqrt(), (mean - spread).max(0.0).sqrt()])
+}
+
+/// What unequal seams impose on the triangles that touch them: longer side over shorter, less one.
+pub fn gather_allowance(pattern: &Pattern, level: &Level) -> Vec<f64> {
+    // Differences of a hundredth are eased in without gathers.
+    const EASED: f64 = 0.01;
+    let mut of_particle = vec![0.0f64; level.particle_count];
+    for (seam, sides) in pattern.seams.iter().zip(&level.seams) {
+        let [a, b] = pattern.seam_lengths(seam);
+        let excess = a.max(b) / a.min(b) - 1.0;
+        if excess > EASED {
+            for &point in sides.iter().flatten() {
+                let allowed = &mut of_particle[level.particle_of[point as usize] as usize];
+                *allowed = allowed.max(excess);
+            }
+        }
+    }
+    let most = |t| level.particles(t).iter().map(|&p| of_particle[p as usize]).fold(0.0, f64::max);
+    (0..level.triangles.len()).map(most).collect()
+}
+
+impl Strain {
+    /// Strain of all triangles, each less its `allowance`.
+    pub fn of(level: &Level, positions: &[Vector3], allowance: &[f64]) -> Self {
+        let areas = level.rest_areas();
+        let mut worst = Vec::with_capacity(areas.len());
+        let mut stretch = Vec::with_capacity(areas.len());
+        let mut compression = Vec::with_capacity(areas.len());
+        let (mut mean, mut total) = (0.0, 0.0);
+        for t in 0..areas.len() {
+            let corners = level.particles(t).map(|p| positions[p as usize]);
+            let Some([larger, smaller]) = principal_stretches(level.rest_corners(t), corners) else { continue };
+            let less = |strain: f64| (strain - allowance[t]).max(0.0);
+            let (up, down) = ((larger - 1.0).abs(), (smaller - 1.0).abs());
+            mean += areas[t] * less(0.5 * (up + down));
+            total += areas[t];
+            worst.push((less(up.max(down)), areas[t]));
+            stretch.push((less((larger - 1.0).max(0.0)), areas[t]));
+            compression.push((less((1.0 - smaller).max(0.0)), areas[t]));
+        }
+        let last = |values: &[(f64, f64)]| values.iter().map(|v| v.0).fold(0.0, f64::max);
+        Self {
+            mean: if total > 0.0 { mean / total } else { 0.0 },
+            max: last(&worst),
+            stretch_max: last(&stretch),
+            compression_max: last(&compression),
+            p99: percentile_99(worst),
+            stretch_p99: percentile_99(stretch),
+            compression_p99: percentile_99(compression),
+        }
+    }
+}
+
+/// The value that 99 % of the weight does not exceed, of `(value, weight)`.
+fn percentile_99(mut values: Vec<(f64, f64)>) -> f64 {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let target = 0.99 * values.iter().map(|v| v.1).sum::<f64>();
+    let mut below = 0.0;
+    for &(value, weight) in &values {
+        below += weight;
+        if below >= target {
+            return value;
+        }
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_of_a_known_map() {
+        let rest = [[0.0, 0.0], [1.0, 0.2], [0.3, 1.0]].map(Vector2::from);
+        let turn = nalgebra::Rotation3::from_euler_angles(0.3, -1.0, 2.0);
+        let corners = rest.map(|p| turn * Vector3::new(1.2 * p.x, 0.9 * p.y, 0.0) + Vector3::new(5.0, 0.0, 1.0));
+        let [larger, smaller] = principal_stretches(rest, corners).unwrap();
+        assert!((larger - 1.2).abs() < 1e-12 && (smaller - 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_percentile_counts_area_not_triangles() {
+        let mut values = vec![(0.01, 1.0); 100];
+        values.push((0.5, 0.5));
+        assert_eq!(percentile_99(values.clone()), 0.01);
+        values.push((0.5, 1.0));
+        assert_eq!(percentile_99(values), 0.5);
+    }
+}

@@ -1,0 +1,43 @@
+//! The end of the finest level: nobody is left inside the clearance, and no part of the body comes
+//! through between the particles.
+
+use super::problem::Relaxation;
+use super::Scene;
+use crate::assess::body_intersections;
+use crate::geometry::Vector3;
+use crate::minimize::{ConjugateGradient, Settings as Steps};
+
+/// Rounds of holding, looking and widening.
+const MOST_ROUNDS: usize = 12;
+/// How much farther the particles of a pierced triangle keep after each round, m.
+const WIDENING: f64 = 4e-4;
+/// Evaluations that smooth what a round has moved.
+const EVALUATIONS_PER_ROUND: usize = 15;
+
+/// Takes every particle out to its clearance and every triangle out of the body.
+pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) {
+    let cloth = &scene.garment.levels[level];
+    let mut minimizer = ConjugateGradient::new(positions.len());
+    let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
+    for _ in 0..MOST_ROUNDS {
+        hold(problem, positions);
+        let pierced = body_intersections(cloth, positions, scene.body);
+        if pierced.is_empty() {
+            return;
+        }
+        let mut particles: Vec<u32> = pierced.iter().flat_map(|&[t, _]| cloth.particles(t as usize)).collect();
+        particles.sort_unstable();
+        particles.dedup();
+        problem.body.widen(particles, WIDENING);
+        hold(problem, positions);
+        minimizer.run(problem, positions, &steps, |_| false);
+    }
+    hold(problem, positions);
+}
+
+/// Moves particles out to their clearance, without passing through other cloth.
+fn hold(problem: &mut Relaxation, positions: &mut [Vector3]) {
+    let mut moves = problem.body.hold(positions);
+    problem.cloth.limit(positions, &mut moves);
+    positions.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
+}

@@ -1,0 +1,150 @@
+//! One level: gravity, contact, and the minimizer.
+
+use super::finish;
+use super::problem::Relaxation;
+use super::sewing::hold;
+use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
+use crate::arrangement::Arrangement;
+use crate::contact::{BodyContact, BodyContactSettings};
+use crate::energy::Energy;
+use crate::geometry::Vector3;
+use crate::minimize::{ConjugateGradient, Problem, Settings as Steps, Termination};
+use crate::pattern::SegmentLabel;
+
+/// Evaluations between two looks at the anchors of friction.
+const ANCHOR_INTERVAL: usize = 40;
+/// A coarse level is done at this rms residual, in particle weights: what is left is far below what
+/// the prolongation to the next level brings.
+const COARSE_RESIDUAL: f64 = 0.3;
+/// How far below its place in the pattern a waist line may sink while a garment settles, m.
+const WAIST_SLACK: f64 = 0.01;
+
+/// Relaxes a level in place.
+pub fn relax(
+    scene: &Scene,
+    level: usize,
+    arrangement: &Arrangement,
+    positions: &mut Vec<Vector3>,
+    observer: &mut dyn Observer,
+) -> LevelSummary {
+    let cloth = &scene.garment.levels[level];
+    let levels = scene.garment.levels.len();
+    let finest = level + 1 == levels;
+    let budget = match (finest, scene.settings.until) {
+        (false, _) => scene.settings.coarse_evaluations,
+        (true, FinishLine::HandOff) => scene.settings.finest_evaluations,
+        (true, FinishLine::Equilibrium) => scene.settings.equilibrium_evaluations,
+    };
+    observer.event(&Event::LevelStarted {
+        level,
+        levels,
+        resolution: cloth.resolution,
+        particles: cloth.particle_count,
+        evaluations: budget,
+    });
+    let mut problem = problem(scene, level, arrangement, positions);
+    let mut run = Run { minimizer: ConjugateGradient::new(positions.len()), evaluations: 0, curve: Vec::new() };
+    let mut termination = Termination::Budget;
+    while run.evaluations < budget {
+        let most = ANCHOR_INTERVAL.min(budget - run.evaluations);
+        termination = run.steps(scene, level, &mut problem, positions, most, observer);
+        problem.body.update_anchors(positions);
+        if termination != Termination::Budget {
+            break;
+        }
+    }
+    if finest {
+        finish::clear_body(scene, level, &mut problem, positions);
+    }
+    let mut gradient = vec![Vector3::zeros(); positions.len()];
+    problem.evaluate(positions, &mut gradient);
+    let summary = LevelSummary {
+        resolution: cloth.resolution,
+        particles: cloth.particle_count,
+        triangles: cloth.triangles.len(),
+        evaluations: run.evaluations,
+        energies: problem.terms,
+        residual: problem.residual(&gradient),
+        termination,
+        starting_intersections: 0,
+        curve: run.curve,
+    };
+    observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
+    summary
+}
+
+fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, positions: &[Vector3]) -> Relaxation<'a> {
+    let (settings, cloth) = (scene.settings, &scene.garment.levels[level]);
+    let finest = level + 1 == scene.garment.levels.len();
+    let mut energy = Energy::new(cloth, scene.fabric, settings.model);
+    // Cloth finds its place by sliding; on the finest level it stays there by friction alone.
+    if !finest {
+        energy.holds.extend(waist_hold(scene, level, arrangement, positions));
+    }
+    let contact = BodyContactSettings {
+        clearance: settings.clearance,
+        stiffness: settings.contact_stiffness(scene.fabric),
+        friction: if finest { scene.fabric.friction } else { 0.0 },
+    };
+    let contact = BodyContact::new(scene.body, scene.field, cloth, contact);
+    let classes = (0..cloth.particle_count as u32).collect();
+    Relaxation::new(energy, contact, settings.self_contact(cloth, classes, scene.fabric, positions))
+}
+
+/// Keeps a waist line from sinking below where the pattern places it.
+fn waist_hold(
+    scene: &Scene,
+    level: usize,
+    arrangement: &Arrangement,
+    positions: &[Vector3],
+) -> Option<crate::energy::Hold> {
+    let waist = SegmentLabel::LowerInterface;
+    let placed = hold(scene.pattern, &scene.garment.open, waist, &arrangement.positions)?.height;
+    let mut hold = hold(scene.pattern, &scene.garment.levels[level], waist, positions)?;
+    hold.height = placed - WAIST_SLACK;
+    Some(hold)
+}
+
+/// The minimizer's memory and what it has done on a level.
+struct Run {
+    minimizer: ConjugateGradient,
+    evaluations: usize,
+    curve: Vec<CurvePoint>,
+}
+
+impl Run {
+    fn steps(
+        &mut self,
+        scene: &Scene,
+        level: usize,
+        problem: &mut Relaxation,
+        positions: &mut Vec<Vector3>,
+        evaluations: usize,
+        observer: &mut dyn Observer,
+    ) -> Termination {
+        let finest = level + 1 == scene.garment.levels.len();
+        let goal = match (finest, scene.settings.until) {
+            (false, _) => COARSE_RESIDUAL,
+            (true, FinishLine::HandOff) => 0.0,
+            (true, FinishLine::Equilibrium) => scene.settings.equilibrium_residual,
+        };
+        let steps = Steps { evaluations, ..scene.settings.steps(&scene.garment.levels[level]) };
+        let masses: Vec<f64> = problem.energy.masses().to_vec();
+        let before = self.evaluations;
+        let curve = &mut self.curve;
+        let (termination, _, spent) = self.minimizer.run(problem, positions, &steps, |iterate| {
+            let residual = rms_weights(iterate.gradient, &masses);
+            let point = CurvePoint { evaluations: before + iterate.evaluations, energy: iterate.value, residual };
+            curve.push(point);
+            observer.event(&Event::Step { level, point });
+            residual <= goal
+        });
+        self.evaluations += spent;
+        termination
+    }
+}
+
+fn rms_weights(gradient: &[Vector3], masses: &[f64]) -> f64 {
+    let square = |(g, m): (&Vector3, &f64)| g.norm_squared() / (m * crate::energy::GRAVITY).powi(2);
+    (gradient.iter().zip(masses).map(square).sum::<f64>() / masses.len() as f64).sqrt()
+}
