@@ -337,9 +337,8 @@ mod tests {
     /// A square panel of 40 cm in front of or behind the body, its lower edge at `y`.
     fn square(name: &str, y: f64, z: f64) -> Panel {
         let corners = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.4], [-0.2, 0.4]].map(Vector2::from);
-        let segments = (0..4)
-            .map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None })
-            .collect();
+        let segments =
+            (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None }).collect();
         let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::new(0.0, y, z) };
         Panel { name: name.to_owned(), segments, placement, part: None }
     }

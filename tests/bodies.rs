@@ -33,9 +33,17 @@ fn real_bodies_are_read_and_their_distance_fields_agree_with_exact_distances() {
         for (e, s) in exact.iter().zip(&sampled) {
             let s = s.unwrap().distance;
             worst.push((e - s).abs());
-            if (e.signum() != s.signum()) && e.abs() > 5e-4 { sign += 1; }
+            if (e.signum() != s.signum()) && e.abs() > 5e-4 {
+                sign += 1;
+            }
         }
         worst.sort_by(f64::total_cmp);
-        eprintln!("{name} read {read:?} field {built:?} exact {te:?} sample {ts:?} err median {:.2e} p99 {:.2e} max {:.2e} sign {sign} of {}", worst[worst.len()/2], worst[worst.len()*99/100], worst[worst.len()-1], worst.len());
+        eprintln!(
+            "{name} read {read:?} field {built:?} exact {te:?} sample {ts:?} err median {:.2e} p99 {:.2e} max {:.2e} sign {sign} of {}",
+            worst[worst.len() / 2],
+            worst[worst.len() * 99 / 100],
+            worst[worst.len() - 1],
+            worst.len()
+        );
     }
 }

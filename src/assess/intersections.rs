@@ -63,10 +63,7 @@ mod tests {
         Level {
             resolution: 1.0,
             particle_count: 6,
-            panels: vec![
-                PanelRange { points: 0..3, triangles: 0..1 },
-                PanelRange { points: 3..6, triangles: 1..2 },
-            ],
+            panels: vec![PanelRange { points: 0..3, triangles: 0..1 }, PanelRange { points: 3..6, triangles: 1..2 }],
             rest: vec![Vector2::zeros(); 6],
             particle_of: (0..6).collect(),
             triangles: vec![[0, 1, 2], [3, 4, 5]],
@@ -82,7 +79,9 @@ mod tests {
     fn crossing_panels_are_found_unless_they_are_sewn_at_a_corner() {
         let mut level = two_triangles();
         let mut positions: Vec<Vector3> =
-            [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.2, 0.2, -1.], [0.2, 0.3, 1.], [0.3, 0.2, 1.]].map(Vector3::from).to_vec();
+            [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.2, 0.2, -1.], [0.2, 0.3, 1.], [0.3, 0.2, 1.]]
+                .map(Vector3::from)
+                .to_vec();
         assert_eq!(cloth_intersections(&level, &positions), [[0, 1]]);
         level.particle_of[3] = 0;
         assert!(cloth_intersections(&level, &positions).is_empty());

@@ -108,7 +108,8 @@ impl Clearance {
 
 impl Intersections {
     pub fn of(level: &Level, positions: &[Vector3], body: &Body) -> Self {
-        let (with_body, with_cloth) = (body_intersections(level, positions, body), cloth_intersections(level, positions));
+        let (with_body, with_cloth) =
+            (body_intersections(level, positions, body), cloth_intersections(level, positions));
         let panel_of = level.panel_of_triangle();
         let mut found = Self { body_pairs: with_body.len(), cloth_pairs: with_cloth.len(), ..Self::default() };
         for &[t, _] in &with_body {

@@ -13,7 +13,10 @@ const MOST_LISTED: usize = 3;
 /// The first fault that keeps a mesh from being dressed; else what is doubtful about it.
 pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
     if positions.is_empty() || triangles.is_empty() {
-        return Err(Error::new("The body has no triangles.", "Give an OBJ file with a closed triangle mesh of the body."));
+        return Err(Error::new(
+            "The body has no triangles.",
+            "Give an OBJ file with a closed triangle mesh of the body.",
+        ));
     }
     for (k, p) in positions.iter().enumerate() {
         if !p.iter().all(|c| c.is_finite()) {
@@ -69,7 +72,11 @@ fn check_closed(triangles: &[[u32; 3]]) -> Result<(), Error> {
     sides.sort_unstable();
     if let Some(w) = sides.windows(2).find(|w| w[0] == w[1]) {
         return Err(Error::new(
-            format!("The edge between vertices {} and {} belongs to triangles that face opposite ways, or to more than two.", w[0][0] + 1, w[0][1] + 1),
+            format!(
+                "The edge between vertices {} and {} belongs to triangles that face opposite ways, or to more than two.",
+                w[0][0] + 1,
+                w[0][1] + 1
+            ),
             "Make the mesh a manifold with all its normals outward.",
         ));
     }
@@ -79,7 +86,11 @@ fn check_closed(triangles: &[[u32; 3]]) -> Result<(), Error> {
     }
     let listed: Vec<String> = open.iter().take(MOST_LISTED).map(|[a, b]| format!("{}-{}", a + 1, b + 1)).collect();
     Err(Error::new(
-        format!("The body is not closed: {} edges have a triangle on one side only ({}, as vertex numbers).", open.len(), listed.join(", ")),
+        format!(
+            "The body is not closed: {} edges have a triangle on one side only ({}, as vertex numbers).",
+            open.len(),
+            listed.join(", ")
+        ),
         "Close the holes. Vertices split at texture seams must be merged before export, without merging others.",
     ))
 }

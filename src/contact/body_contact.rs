@@ -336,7 +336,8 @@ mod tests {
         let mut gradient = vec![Vector3::zeros(); positions.len()];
         contact.evaluate(&positions, &mut gradient);
         contact.update_anchors(&positions);
-        let deepest = (0..positions.len()).max_by(|&a, &b| contact.touches[a].depth.total_cmp(&contact.touches[b].depth));
+        let deepest =
+            (0..positions.len()).max_by(|&a, &b| contact.touches[a].depth.total_cmp(&contact.touches[b].depth));
         let p = deepest.unwrap();
         let anchor = contact.anchors[p].unwrap().point;
         let limit = 0.5 * contact.touches[p].depth / STICKING;

@@ -14,7 +14,6 @@ use crate::garment::Level;
 use crate::geometry::{EdgeTable, SegmentPair, Vector3, closest_between_segments, closest_on_triangle};
 use rayon::prelude::*;
 
-
 /// How the cloth is held clear of itself.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfContactSettings {
@@ -171,9 +170,10 @@ impl SelfContact {
         self.rebuilds += 1;
         let first = self.origin.is_empty();
         self.origin = positions.to_vec();
-        let (touching, found): (Vec<_>, Vec<_>) = self.near_pairs(positions).into_iter().partition(|(pair, distance)| {
-            *distance < TOUCHING && (first || self.excused.binary_search(pair).is_ok())
-        });
+        let (touching, found): (Vec<_>, Vec<_>) = self
+            .near_pairs(positions)
+            .into_iter()
+            .partition(|(pair, distance)| *distance < TOUCHING && (first || self.excused.binary_search(pair).is_ok()));
         self.excused = touching.into_iter().map(|(pair, _)| pair).collect();
         self.excused.sort_unstable();
         (self.pairs, self.found_distance) = found.into_iter().unzip();
@@ -206,11 +206,7 @@ impl SelfContact {
             }
             Pair::EdgeEdge { .. } => {
                 let SegmentPair { s: i, t: j } = closest_between_segments([p, q], [r, s]);
-                Span {
-                    particles,
-                    weights: [1.0 - i, i, j - 1.0, -j],
-                    vector: p + (q - p) * i - r - (s - r) * j,
-                }
+                Span { particles, weights: [1.0 - i, i, j - 1.0, -j], vector: p + (q - p) * i - r - (s - r) * j }
             }
         }
     }
@@ -251,8 +247,7 @@ impl SelfContact {
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
         let mut sum = 0.0;
         for (span, distance, clearance) in self.active(positions) {
-            let rate: Vector3 =
-                span.particles.iter().zip(span.weights).map(|(p, w)| direction[*p as usize] * w).sum();
+            let rate: Vector3 = span.particles.iter().zip(span.weights).map(|(p, w)| direction[*p as usize] * w).sum();
             let (_, _, curvature) = repulsion(distance, clearance, self.settings.stiffness);
             sum += curvature * (rate.dot(&span.vector) / distance).powi(2);
         }
@@ -277,7 +272,8 @@ impl SelfContact {
         if (0..positions.len()).any(gone) {
             self.rebuild(positions);
         }
-        let drift = (0..positions.len()).map(|p| (positions[p] - self.origin[p]).norm_squared()).fold(0.0, f64::max).sqrt();
+        let drift =
+            (0..positions.len()).map(|p| (positions[p] - self.origin[p]).norm_squared()).fold(0.0, f64::max).sqrt();
         let mut first = None;
         for round in 0..MOST_ROUNDS {
             let blocked = self.blocked(positions, moves, drift);
@@ -331,7 +327,10 @@ impl SelfContact {
     fn near_pairs(&self, positions: &[Vector3]) -> Vec<(Pair, f64)> {
         let reach = self.settings.reach;
         let grow = Vector3::repeat(reach);
-        let tree = crate::geometry::BoxTree::of_triangles(self.triangles.iter().map(|t| t.map(|p| positions[p as usize])), 0.0);
+        let tree = crate::geometry::BoxTree::of_triangles(
+            self.triangles.iter().map(|t| t.map(|p| positions[p as usize])),
+            0.0,
+        );
         let mut found: Vec<(Pair, f64)> = (0..positions.len() as u32)
             .into_par_iter()
             .with_min_len(256)
@@ -349,7 +348,10 @@ impl SelfContact {
                         near.push((pair, distance));
                     }
                 });
-                near.sort_unstable_by_key(|(p, _)| match p { Pair::VertexFace { face, .. } => *face, _ => 0 });
+                near.sort_unstable_by_key(|(p, _)| match p {
+                    Pair::VertexFace { face, .. } => *face,
+                    _ => 0,
+                });
                 near
             })
             .collect();
@@ -373,7 +375,10 @@ impl SelfContact {
                         near.push((pair, distance));
                     }
                 });
-                near.sort_unstable_by_key(|(p, _)| match p { Pair::EdgeEdge { second, .. } => *second, _ => 0 });
+                near.sort_unstable_by_key(|(p, _)| match p {
+                    Pair::EdgeEdge { second, .. } => *second,
+                    _ => 0,
+                });
                 near
             })
             .collect();

@@ -105,7 +105,8 @@ impl CrossSpring {
         let [(_, area0), (_, area1)] = rest.sides;
         let height = 2.0 * (area0 + area1) / rest.edge_length;
         // Distance between the tips of the flat hinge: two heights and the shift along the edge.
-        let along = |([a, b], area): ([f64; 2], f64)| 0.5 * (a - b) / (a + b) * rest.edge_length * f64::from(area > 0.0);
+        let along =
+            |([a, b], area): ([f64; 2], f64)| 0.5 * (a - b) / (a + b) * rest.edge_length * f64::from(area > 0.0);
         let rest_length = height.hypot(along(rest.sides[0]) - along(rest.sides[1])).max(0.5 * height);
         // On a cylinder of radius R the flat length s becomes the chord: e ≈ -(s/R)²/24.
         let energy = 0.5 * fabric.bending_along(rest.cos_to_warp) / MATCHING_RADIUS.powi(2) * (area0 + area1) / 3.0;
@@ -167,8 +168,12 @@ impl QuadraticForm {
         }
         // Stable: entries of one place are added in the order of the hinges.
         entries.sort_by_key(|&(row, column, _)| (row, column));
-        let mut form =
-            Self { starts: vec![0; particle_count + 1], columns: Vec::new(), values: Vec::new(), diagonal: vec![0.0; particle_count] };
+        let mut form = Self {
+            starts: vec![0; particle_count + 1],
+            columns: Vec::new(),
+            values: Vec::new(),
+            diagonal: vec![0.0; particle_count],
+        };
         let mut last = None;
         for (row, column, value) in entries {
             if last == Some((row, column)) {

@@ -57,13 +57,7 @@ struct Edges {
 impl Triangle {
     /// A triangle of fabric with the given rest corners, m. Its warp runs along the panel's y. Where
     /// an edge is eased into a seam, `eased` gives its length over its length on the panel.
-    pub fn new(
-        particles: [u32; 3],
-        rest: [Vector2; 3],
-        eased: [f64; 3],
-        fabric: &Fabric,
-        membrane: Membrane,
-    ) -> Self {
+    pub fn new(particles: [u32; 3], rest: [Vector2; 3], eased: [f64; 3], fabric: &Fabric, membrane: Membrane) -> Self {
         let edges: [Vector2; 3] = std::array::from_fn(|k| rest[(k + 2) % 3] - rest[(k + 1) % 3]);
         let area = 0.5 * crate::geometry::cross(edges[0], edges[1]).abs();
         let row = |edge: Vector2| {
@@ -94,8 +88,7 @@ impl Triangle {
     fn edges(&self, [a, b, c]: [Vector3; 3]) -> Edges {
         let spans = [c - b, a - c, b - a];
         let lengths = spans.map(|s| s.norm());
-        let inverse_length: [f64; 3] =
-            std::array::from_fn(|k| 1.0 / lengths[k].max(SHORTEST / self.inverse_rest[k]));
+        let inverse_length: [f64; 3] = std::array::from_fn(|k| 1.0 / lengths[k].max(SHORTEST / self.inverse_rest[k]));
         Edges {
             unit: std::array::from_fn(|k| spans[k] * inverse_length[k]),
             strain: std::array::from_fn(|k| lengths[k] * self.inverse_rest[k] - 1.0),
@@ -170,7 +163,11 @@ mod tests {
     const REST: [[f64; 2]; 3] = [[0.0, 0.0], [0.012, 0.001], [0.004, 0.009]];
 
     fn triangle() -> Triangle {
-        let fabric = Fabric { shear: 25.0, stretch: crate::pattern::Directional { warp: 500.0, weft: 250.0 }, ..Fabric::default() };
+        let fabric = Fabric {
+            shear: 25.0,
+            stretch: crate::pattern::Directional { warp: 500.0, weft: 250.0 },
+            ..Fabric::default()
+        };
         Triangle::new([0, 1, 2], REST.map(Vector2::from), [1.0; 3], &fabric, Membrane::Coupled)
     }
 
@@ -181,7 +178,11 @@ mod tests {
     #[test]
     fn a_uniform_strain_costs_what_the_fabric_says() {
         let area = 0.5 * crate::geometry::cross(Vector2::from(REST[1]), Vector2::from(REST[2]));
-        let fabric = Fabric { shear: 25.0, stretch: crate::pattern::Directional { warp: 500.0, weft: 250.0 }, ..Fabric::default() };
+        let fabric = Fabric {
+            shear: 25.0,
+            stretch: crate::pattern::Directional { warp: 500.0, weft: 250.0 },
+            ..Fabric::default()
+        };
         let c = fabric.membrane_matrix();
         let small = 1e-6;
         for (strain, expected) in [

@@ -231,7 +231,9 @@ impl Energy {
         let springs: f64 = self
             .cross_springs
             .iter()
-            .map(|s| s.curvature(s.particles.map(|p| positions[p as usize]), s.particles.map(|p| direction[p as usize])))
+            .map(|s| {
+                s.curvature(s.particles.map(|p| positions[p as usize]), s.particles.map(|p| direction[p as usize]))
+            })
             .sum();
         let holds: f64 = self.holds.iter().map(|hold| hold.curvature(positions, direction)).sum();
         membrane.iter().sum::<f64>() * self.membrane_scale

@@ -195,12 +195,19 @@ mod tests {
     }
 
     fn area(mesh: &PanelMesh) -> f64 {
-        mesh.triangles.iter().map(|t| { let [a, b, c] = t.map(|i| mesh.points[i as usize]); signed_area(a, b, c) }).sum()
+        mesh.triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|i| mesh.points[i as usize]);
+                signed_area(a, b, c)
+            })
+            .sum()
     }
 
     #[test]
     fn a_notched_panel_is_covered_exactly_and_evenly() {
-        let outline = polygon(&[[0.0, 0.0], [0.4, 0.0], [0.4, 0.3], [0.21, 0.3], [0.2, 0.1], [0.19, 0.3], [0.0, 0.3]], 10);
+        let outline =
+            polygon(&[[0.0, 0.0], [0.4, 0.0], [0.4, 0.3], [0.21, 0.3], [0.2, 0.1], [0.19, 0.3], [0.0, 0.3]], 10);
         let mesh = triangulate(&outline, 0.02).unwrap();
         mesh.sanity_check();
         assert!((area(&mesh) - (0.12 - 0.5 * 0.02 * 0.2)).abs() < 1e-12);

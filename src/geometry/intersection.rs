@@ -27,7 +27,8 @@ pub fn segment_meets_triangle([p, q]: [Vector3; 2], [a, b, c]: [Vector3; 3]) -> 
 /// count: cloth that merely lies on cloth is no intersection.
 pub fn triangles_intersect(a: [Vector3; 3], b: [Vector3; 3]) -> bool {
     let sides = |[i, j, k]: [Vector3; 3]| [[i, j], [j, k], [k, i]];
-    sides(a).into_iter().any(|s| segment_meets_triangle(s, b)) || sides(b).into_iter().any(|s| segment_meets_triangle(s, a))
+    sides(a).into_iter().any(|s| segment_meets_triangle(s, b))
+        || sides(b).into_iter().any(|s| segment_meets_triangle(s, a))
 }
 
 /// The first pair of sides of a closed polygon that cross each other, as indices of their first

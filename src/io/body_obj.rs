@@ -14,7 +14,10 @@ pub fn parse(bytes: &[u8]) -> Result<(Body, Vec<Warning>), Error> {
     }
     let options = tobj::LoadOptions { triangulate: true, single_index: false, ..Default::default() };
     let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, |_| Ok(Default::default())).map_err(|e| {
-        Error::new(format!("The body cannot be read as OBJ: {e}."), "Export the body as OBJ with triangles, in metres, y up.")
+        Error::new(
+            format!("The body cannot be read as OBJ: {e}."),
+            "Export the body as OBJ with triangles, in metres, y up.",
+        )
     })?;
     let mut positions = Vec::new();
     let mut triangles = Vec::new();

@@ -4,7 +4,9 @@
 //! warnings that a user should see. It never panics and rejects whatever cannot be sewn.
 
 use crate::geometry::{Vector2, Vector3};
-use crate::pattern::{Arc, BodyPart, Curve, Panel, Pattern, Placement, Seam, Segment, SegmentId, SegmentLabel, Sense, Shape};
+use crate::pattern::{
+    Arc, BodyPart, Curve, Panel, Pattern, Placement, Seam, Segment, SegmentId, SegmentLabel, Sense, Shape,
+};
 use crate::{Error, Warning};
 use nalgebra::Rotation3;
 use serde::Deserialize;
@@ -157,7 +159,10 @@ impl Unit {
         let units_in_meter = properties.units_in_meter.unwrap_or_else(|| {
             warn(
                 warnings,
-                Error::new("The file does not name its unit; centimetres are assumed.", "Add \"units_in_meter\": 100 to its properties."),
+                Error::new(
+                    "The file does not name its unit; centimetres are assumed.",
+                    "Add \"units_in_meter\": 100 to its properties.",
+                ),
             );
             DEFAULT_UNITS_IN_METER
         });
@@ -196,8 +201,11 @@ fn read_panel(name: &str, raw: &RawPanel, unit: &Unit, warnings: &mut Vec<Warnin
         Some(other) => {
             warn(
                 warnings,
-                Error::new(format!("The label \"{other}\" is not known and is left aside."), "Known are body, arm and leg.")
-                    .within(format!("panel \"{name}\"")),
+                Error::new(
+                    format!("The label \"{other}\" is not known and is left aside."),
+                    "Known are body, arm and leg.",
+                )
+                .within(format!("panel \"{name}\"")),
             );
             None
         }
@@ -284,14 +292,24 @@ fn read_curvature(curvature: &Curvature, start: Vector2, end: Vector2, unit: &Un
     }
 }
 
-fn read_arc(radius: f64, large: &Param, right: &Param, start: Vector2, end: Vector2, unit: &Unit) -> Result<Shape, Error> {
+fn read_arc(
+    radius: f64,
+    large: &Param,
+    right: &Param,
+    start: Vector2,
+    end: Vector2,
+    unit: &Unit,
+) -> Result<Shape, Error> {
     let flag = |param: &Param| match param {
         Param::Flag(flag) => Ok(*flag),
         Param::Number(number) => Ok(*number != 0.0),
         Param::Point(_) => Err(Error::new("A flag of its circle is not a number.", "Give 0 or 1.")),
     };
     if !(radius > 0.0) {
-        return Err(Error::new(format!("The radius of its circle is {radius}."), "Give a positive radius in pattern units."));
+        return Err(Error::new(
+            format!("The radius of its circle is {radius}."),
+            "Give a positive radius in pattern units.",
+        ));
     }
     if start == end {
         return Err(Error::new("Its circle starts where it ends.", "Split the circle into two edges."));
@@ -305,12 +323,19 @@ fn read_arc(radius: f64, large: &Param, right: &Param, start: Vector2, end: Vect
     Ok(Shape::Arc(Arc::between(start, end, radius, flag(large)?, flag(right)?)))
 }
 
-fn read_stitches(stitches: &[Vec<StitchItem>], panels: &[Panel], warnings: &mut Vec<Warning>) -> Result<Vec<Seam>, Error> {
+fn read_stitches(
+    stitches: &[Vec<StitchItem>],
+    panels: &[Panel],
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Seam>, Error> {
     let index_of: HashMap<&str, usize> = panels.iter().enumerate().map(|(i, p)| (p.name.as_str(), i)).collect();
     let side = |item: &StitchItem| match item {
         StitchItem::Side { panel, edge } => {
             let index = *index_of.get(panel.as_str()).ok_or_else(|| {
-                Error::new(format!("It names panel \"{panel}\", which does not exist."), "Check the spelling of the panel's name.")
+                Error::new(
+                    format!("It names panel \"{panel}\", which does not exist."),
+                    "Check the spelling of the panel's name.",
+                )
             })?;
             let count = panels[index].segments.len();
             let segment = usize::try_from(*edge).ok().filter(|&k| k < count).ok_or_else(|| {
@@ -338,10 +363,16 @@ fn read_stitches(stitches: &[Vec<StitchItem>], panels: &[Panel], warnings: &mut 
                 StitchItem::Word(w) if w == "right_wrong" => sense = Sense::Aligned,
                 StitchItem::Word(w) => warn(
                     warnings,
-                    at(Error::new(format!("The word \"{w}\" is not known and is left aside."), "Known is right_wrong.")),
+                    at(Error::new(
+                        format!("The word \"{w}\" is not known and is left aside."),
+                        "Known is right_wrong.",
+                    )),
                 ),
                 StitchItem::Side { .. } => {
-                    return Err(at(Error::new("It has more than two sides.", "A stitch joins two edges; split the edges instead.")));
+                    return Err(at(Error::new(
+                        "It has more than two sides.",
+                        "A stitch joins two edges; split the edges instead.",
+                    )));
                 }
             }
         }

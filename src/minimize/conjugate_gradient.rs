@@ -122,15 +122,13 @@ impl ConjugateGradient {
         let gz: f64 = sums.iter().map(|s| s.0).sum();
         let mixed: f64 = sums.iter().map(|s| s.1).sum();
         let beta = if gz_old > 0.0 { ((gz - mixed) / gz_old).max(0.0) } else { 0.0 };
-        self.direction
-            .par_chunks_mut(CHUNK)
-            .zip(new.par_chunks(CHUNK))
-            .zip(diagonal.par_chunks(CHUNK))
-            .for_each(|((direction, new), diagonal)| {
+        self.direction.par_chunks_mut(CHUNK).zip(new.par_chunks(CHUNK)).zip(diagonal.par_chunks(CHUNK)).for_each(
+            |((direction, new), diagonal)| {
                 for ((direction, new), d) in direction.iter_mut().zip(new).zip(diagonal) {
                     *direction = *direction * beta - new / *d;
                 }
-            });
+            },
+        );
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
         gz
     }

@@ -91,7 +91,11 @@ impl Panel {
         }
         self.check_extent()?;
         if let Some((i, j)) = self.crossing_segments() {
-            let place = if i == j { format!("Edge {i} crosses itself.") } else { format!("Edges {i} and {j} cross each other.") };
+            let place = if i == j {
+                format!("Edge {i} crosses itself.")
+            } else {
+                format!("Edges {i} and {j} cross each other.")
+            };
             return Err(Error::new(place, "Redraw the outline so that it encloses one area without crossing itself."));
         }
         if self.signed_area().abs() < SMALLEST_PANEL {
@@ -107,7 +111,10 @@ impl Panel {
         let farthest = self.polygon(8).iter().map(|p| p.norm()).fold(0.0, f64::max);
         let shift = self.placement.translation.norm();
         if !(shift.is_finite() && self.placement.rotation.matrix().iter().all(|r| r.is_finite())) {
-            return Err(Error::new("The placement is not finite.", "Give the translation and rotation as plain numbers."));
+            return Err(Error::new(
+                "The placement is not finite.",
+                "Give the translation and rotation as plain numbers.",
+            ));
         }
         if farthest.max(shift) > LARGEST_EXTENT {
             return Err(Error::new(

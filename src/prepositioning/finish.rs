@@ -1,8 +1,8 @@
 //! The end of the finest level: nobody is left inside the clearance, and no part of the body comes
 //! through between the particles.
 
-use super::problem::Relaxation;
 use super::Scene;
+use super::problem::Relaxation;
 use crate::assess::body_intersections;
 use crate::geometry::Vector3;
 use crate::minimize::{ConjugateGradient, Settings as Steps};

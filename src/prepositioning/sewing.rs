@@ -28,7 +28,7 @@ const EVALUATIONS_PER_STEP: usize = 80;
 /// A seam is closed when its largest gap is below this, m: welding then moves nobody noticeably.
 const CLOSED: f64 = 5e-4;
 /// How much thinner the body is thought while the seams close, m: less than the radius of a wrist.
-pub static SHRINKAGE: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("SHR").map_or(0.01, |v| v.parse().unwrap()));
+const SHRINKAGE: f64 = 0.01;
 /// Steps in which it grows back.
 const GROWING_STEPS: usize = 6;
 /// The upper part of the garment that is kept from sinking where the pattern names no part, m.
@@ -61,7 +61,13 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
         problem.update_diagonal();
         evaluations += minimizer.run(&mut problem, &mut positions, &steps, |_| false).2;
         let gap = problem.energy.stitches.gaps(&positions).into_iter().fold(0.0, f64::max);
-        observer.event(&Event::Sewing { step, closing_steps: CLOSING_STEPS, largest_gap: gap, open, positions: &positions });
+        observer.event(&Event::Sewing {
+            step,
+            closing_steps: CLOSING_STEPS,
+            largest_gap: gap,
+            open,
+            positions: &positions,
+        });
         if step >= CLOSING_STEPS {
             if gap < CLOSED || tightening == MOST_TIGHTENING_STEPS {
                 break;
@@ -70,7 +76,7 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
         }
     }
     for step in 1..=GROWING_STEPS {
-        let thin = *SHRINKAGE * (1.0 - step as f64 / GROWING_STEPS as f64);
+        let thin = SHRINKAGE * (1.0 - step as f64 / GROWING_STEPS as f64);
         problem.body.settings.clearance = settings.clearance - thin;
         evaluations += minimizer.run(&mut problem, &mut positions, &steps, |_| false).2;
     }
@@ -84,7 +90,7 @@ fn problem<'a>(scene: &Scene<'a>, positions: &[Vector3]) -> Relaxation<'a> {
     energy.gravity = 0.0;
     energy.holds = holds(scene.pattern, open, positions);
     let contact = BodyContactSettings {
-        clearance: settings.clearance - *SHRINKAGE,
+        clearance: settings.clearance - SHRINKAGE,
         stiffness: settings.contact_stiffness(scene.fabric),
         friction: 0.0,
     };
