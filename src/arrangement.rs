@@ -9,7 +9,7 @@
 
 use crate::body::{Body, DistanceField};
 use crate::garment::{Level, PanelRange};
-use crate::geometry::{BoxTree, UnionFind, Vector3, triangle_distance};
+use crate::geometry::{BoxTree, EdgeTable, UnionFind, Vector3, triangle_distance};
 use crate::pattern::Pattern;
 
 /// First positions, and how they differ from the pattern's own placement.
@@ -43,6 +43,10 @@ const MARGIN_PRICE: f64 = 0.3;
 const SHIFT_PRICE: f64 = 0.03;
 /// The same for a shift against the partner of a stitch.
 const RELATIVE_PRICE: f64 = 0.06;
+/// Panels whose outward normals have at least this product can lie over each other.
+const FACING_ALIKE: f64 = 0.7;
+/// What a stitch costs whose partner comes to lie behind its rim, per metre.
+const OVERLAP_PRICE: f64 = 0.5;
 /// Panels are not moved nearer to each other than this, m.
 const PANEL_CLEARANCE: f64 = 0.004;
 /// How often all panels are visited at one step length.
@@ -123,6 +127,10 @@ struct Search<'a> {
     /// As placed, m, world.
     positions: Vec<Vector3>,
     panel_of: Vec<usize>,
+    /// Per panel: outward normal, as placed.
+    normals: Vec<Vector3>,
+    /// Per particle on a rim: out of its panel, in the panel's plane; as placed, world.
+    off_panel: Vec<Vector3>,
     /// Per panel: its stitches.
     stitches: Vec<Vec<[u32; 2]>>,
     /// Per panel: the middle of its particles, and how far they reach from it, as placed.
@@ -159,7 +167,9 @@ impl<'a> Search<'a> {
         let corners = |t: usize| open.particles(t).map(|p| positions[p as usize]);
         let tree = |range: &PanelRange| BoxTree::of_triangles(range.triangles.clone().map(corners), 0.0);
         let trees = open.panels.iter().map(tree).collect();
-        Self { open, field, positions, panel_of, stitches, middles, reaches, trees }
+        let off_panel = off_panel(open, &positions);
+        let normals = pattern.panels.iter().map(|panel| panel.outward_normal()).collect();
+        Self { open, field, positions, panel_of, normals, off_panel, stitches, middles, reaches, trees }
     }
 
     /// Moves all panels together, then pairs of units that are sewn to each other, then single units.
@@ -266,6 +276,7 @@ impl<'a> Search<'a> {
                 let (to_a, to_b) = (at(a), at(b));
                 let (by_a, by_b) = (to_a - self.positions[a as usize], to_b - self.positions[b as usize]);
                 cost += self.blocked(to_a, to_b);
+                cost += OVERLAP_PRICE * (self.overlap(a, b, motions, to_b - to_a) + self.overlap(b, a, motions, to_a - to_b));
                 cost += RELATIVE_PRICE * (by_a - by_b).norm();
                 cost += SHIFT_PRICE * 0.5 * (by_a.norm() + by_b.norm());
             }
@@ -273,6 +284,21 @@ impl<'a> Search<'a> {
             cost += range.map(|p| self.depth(at(p as u32))).sum::<f64>();
         }
         cost
+    }
+
+    /// How far the partner of a particle lies behind the rim of the particle's panel, m, beyond what the
+    /// placement itself has. Panels that face alike and come to lie over each other would be sewn
+    /// through each other.
+    fn overlap(&self, particle: u32, partner: u32, motions: &[Motion], span: Vector3) -> f64 {
+        let (panel, other) = (self.panel_of[particle as usize], self.panel_of[partner as usize]);
+        if self.normals[panel].dot(&self.normals[other]) < FACING_ALIKE {
+            return 0.0;
+        }
+        let off = self.off_panel[particle as usize];
+        let placed = self.positions[partner as usize] - self.positions[particle as usize];
+        let angle = motions[panel].angle;
+        let (placed, now) = ((-placed.dot(&off)).max(0.0), (-span.dot(&Motion::turned(angle, off))).max(0.0));
+        (now - placed).max(0.0)
     }
 
     /// Does a panel of the group come nearer to one outside it than they were placed? Panels placed
@@ -325,6 +351,21 @@ impl<'a> Search<'a> {
     fn depth(&self, point: Vector3) -> f64 {
         self.field.sample(point).map_or(0.0, |s| (SIGHT_CLEARANCE - s.distance).max(0.0))
     }
+}
+
+/// For each particle on a rim, the unit vector out of its panel and in its plane; zero elsewhere.
+fn off_panel(open: &Level, positions: &[Vector3]) -> Vec<Vector3> {
+    let triangles = open.particle_triangles();
+    let mut off = vec![Vector3::zeros(); open.particle_count];
+    for edge in EdgeTable::new(&triangles).edges.iter().filter(|edge| edge.triangles.len() == 1) {
+        let [a, b] = edge.ends.map(|p| positions[p as usize]);
+        let tip = triangles[edge.triangles[0] as usize].into_iter().find(|p| !edge.ends.contains(p));
+        let from_tip = a - tip.map_or(a, |p| positions[p as usize]);
+        let along = (b - a).normalize();
+        let out = (from_tip - along * along.dot(&from_tip)).normalize();
+        edge.ends.iter().for_each(|&p| off[p as usize] += out);
+    }
+    off.into_iter().map(|o| o.try_normalize(1e-9).unwrap_or_default()).collect()
 }
 
 #[cfg(test)]

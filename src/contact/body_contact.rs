@@ -64,6 +64,9 @@ pub struct BodyContact<'a> {
     /// What each particle keeps beyond the clearance, m: more where a sharp part of the body would
     /// come through between the particles.
     extra: Vec<f64>,
+    /// What each particle aims at beyond that, m, so that it ends exactly there: pressure over
+    /// stiffness, and the error of the field.
+    offset: Vec<f64>,
     middles: Vec<Middle>,
     /// One per particle, then one per middle.
     touches: Vec<Touch>,
@@ -74,6 +77,8 @@ pub struct BodyContact<'a> {
 const LONGEST_UNSAMPLED: f64 = 0.022;
 /// Radius of the limbs and curves that cloth is bent around, m: tells how far an edge cuts the curve.
 const LIMB_RADIUS: f64 = 0.06;
+/// The most by which a particle aims beyond its clearance or short of it, m.
+const LARGEST_OFFSET: f64 = 2e-3;
 /// Tangential stiffness of a sticking sample over its normal one. Softer than the normal one, as the
 /// tangential direction is the one in which cloth has to settle.
 const STICKING: f64 = 0.3;
@@ -87,6 +92,7 @@ impl<'a> BodyContact<'a> {
             field,
             settings,
             extra: vec![0.0; level.particle_count],
+            offset: vec![0.0; level.particle_count],
             middles,
             touches: vec![Touch::default(); count],
             anchors: vec![None; count],
@@ -103,11 +109,11 @@ impl<'a> BodyContact<'a> {
             .zip(positions.par_chunks(CHUNK))
             .zip(gradient.par_chunks_mut(CHUNK))
             .zip(particle_anchors.par_chunks(CHUNK))
-            .zip(self.extra.par_chunks(CHUNK))
-            .map(|((((touches, positions), gradient), anchors), extra)| {
+            .zip(self.extra.par_chunks(CHUNK).zip(self.offset.par_chunks(CHUNK)))
+            .map(|((((touches, positions), gradient), anchors), (extra, offset))| {
                 let mut sum = 0.0;
                 for k in 0..touches.len() {
-                    touches[k] = touch(field, positions[k], clearance + extra[k]);
+                    touches[k] = touch(field, positions[k], clearance + extra[k] + offset[k]);
                     let (energy, pull) = push(&touches[k], &anchors[k], positions[k], stiffness);
                     sum += energy;
                     gradient[k] += pull;
@@ -161,6 +167,35 @@ impl<'a> BodyContact<'a> {
             let follow = span.try_normalize(f64::MIN_POSITIVE).map_or(Vector3::zeros(), |along| along * slip);
             *anchor = Some(Anchor { point: stuck + follow, normal });
         }
+    }
+
+    /// Corrects where each touching particle aims at by how far it is from its clearance, by exact
+    /// distances: the multiplier step of an augmented Lagrangian (theory, equation 9).
+    pub fn correct(&mut self, positions: &[Vector3]) {
+        let offsets: Vec<f64> = positions
+            .par_iter()
+            .enumerate()
+            .with_min_len(256)
+            .map(|(p, &position)| {
+                let (offset, target) = (self.offset[p], self.settings.clearance + self.extra[p]);
+                if self.touches[p].depth <= 0.0 && offset == 0.0 {
+                    return 0.0;
+                }
+                match self.exact_distance(position, target) {
+                    Some(distance) => (offset + target - distance).clamp(-LARGEST_OFFSET, LARGEST_OFFSET),
+                    None => 0.0,
+                }
+            })
+            .collect();
+        self.offset = offsets;
+    }
+
+    /// Signed distance of a point that may be nearer to the body than `clearance`.
+    fn exact_distance(&self, point: Vector3, clearance: f64) -> Option<f64> {
+        let rough = self.field.sample(point)?;
+        let reach = rough.distance.abs() + clearance.abs() + 2.0 * self.field.cell();
+        let distance = self.body.nearest(point, reach)?.distance;
+        Some(if self.body.contains(point) { -distance } else { distance })
     }
 
     /// Moves that take each particle that is too near out to its clearance, by exact distances; zero

@@ -48,12 +48,21 @@ pub fn relax(
     while run.evaluations < budget {
         let most = ANCHOR_INTERVAL.min(budget - run.evaluations);
         termination = run.steps(scene, level, &mut problem, positions, most, observer);
+        if finest {
+            let ph = std::env::var("PH").map_or(0.5, |v| v.parse::<f64>().unwrap());
+            if run.evaluations as f64 >= ph * budget as f64 {
+                problem.body.settings.friction = scene.fabric.friction;
+                problem.energy.holds.clear();
+            }
+            if std::env::var("NOCORR").is_err() { problem.body.correct(positions); }
+        }
         problem.body.update_anchors(positions);
         if termination != Termination::Budget {
             break;
         }
     }
     if finest {
+        if std::env::var("DBG").is_ok() { let a = crate::assess::assess(scene.pattern, cloth, positions, scene.body, scene.settings.clearance); eprintln!("before finish {:?} {:?} {:?}", a.strain_less_gathers, a.clearance, a.intersections.by_panels); }
         finish::clear_body(scene, level, &mut problem, positions);
     }
     let mut gradient = vec![Vector3::zeros(); positions.len()];
@@ -78,13 +87,13 @@ fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, posit
     let finest = level + 1 == scene.garment.levels.len();
     let mut energy = Energy::new(cloth, scene.fabric, settings.model);
     // Cloth finds its place by sliding; on the finest level it stays there by friction alone.
-    if !finest {
+    {
         energy.holds.extend(waist_hold(scene, level, arrangement, positions));
     }
     let contact = BodyContactSettings {
         clearance: settings.clearance,
         stiffness: settings.contact_stiffness(scene.fabric),
-        friction: if finest { scene.fabric.friction } else { 0.0 },
+        friction: 0.0,
     };
     let contact = BodyContact::new(scene.body, scene.field, cloth, contact);
     let classes = (0..cloth.particle_count as u32).collect();
