@@ -4,11 +4,14 @@
 //! [`atomic`] touch a disk, and only [`process`] asks the machine. `docs/formats.md` describes the
 //! formats themselves.
 
+pub mod atomic;
 pub mod body_obj;
 pub mod fabric_toml;
 pub mod garmentcode;
 pub mod length;
 pub mod picture;
+pub mod process;
+pub mod read;
 pub mod settings_toml;
 
 mod toml_keys;
