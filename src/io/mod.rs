@@ -7,7 +7,9 @@
 pub mod atomic;
 pub mod body_obj;
 pub mod fabric_toml;
+pub mod garment_obj;
 pub mod garmentcode;
+pub mod glb;
 pub mod length;
 pub mod picture;
 pub mod process;
@@ -15,3 +17,6 @@ pub mod read;
 pub mod settings_toml;
 
 mod toml_keys;
+
+#[cfg(test)]
+mod sample;
