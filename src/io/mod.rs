@@ -15,6 +15,7 @@ pub mod picture;
 pub mod process;
 pub mod read;
 pub mod settings_toml;
+pub mod state;
 
 mod toml_keys;
 
