@@ -14,6 +14,7 @@ pub mod length;
 pub mod picture;
 pub mod process;
 pub mod read;
+pub mod report;
 pub mod settings_toml;
 pub mod state;
 
