@@ -148,6 +148,13 @@ mod tests {
         assert!(parse("[linen]\nfriction = 1", "mine").is_err());
     }
 
+    #[test]
+    fn the_example_of_the_documentation_reads() {
+        let example =
+            include_str!("../../docs/formats.md").split("```").filter_map(|b| b.strip_prefix("toml\n")).nth(0).unwrap();
+        parse(example, "mine").unwrap();
+    }
+
     proptest! {
         #[test]
         fn any_name_and_figure_reads_back_the_same(name in "\\PC*", figure in 0.1..1e6f64, thin in 1e-8..0.1f64) {

@@ -164,6 +164,13 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_example_of_the_documentation_reads() {
+        let example =
+            include_str!("../../docs/formats.md").split("```").filter_map(|b| b.strip_prefix("toml\n")).nth(1).unwrap();
+        apply(example, &mut Settings::default()).unwrap();
+    }
+
     proptest! {
         #[test]
         fn all_settings_read_back_the_same(

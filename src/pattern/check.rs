@@ -138,3 +138,18 @@ impl Panel {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_one_line_of_text() {
+        for name in ["", " ", "left\nsleeve", "left\u{2028}sleeve", "left\0sleeve"] {
+            assert!(check_name(name).is_err(), "{name:?}");
+        }
+        for name in ["left_sleeve", "left sleeve", "linke Ärmel", "o # f"] {
+            assert!(check_name(name).is_ok(), "{name:?}");
+        }
+    }
+}
