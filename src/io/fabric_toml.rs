@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn the_example_of_the_documentation_reads() {
         let example =
-            include_str!("../../docs/formats.md").split("```").filter_map(|b| b.strip_prefix("toml\n")).nth(0).unwrap();
+            include_str!("../../docs/formats.md").split("```").filter_map(|b| b.strip_prefix("toml\n")).next().unwrap();
         parse(example, "mine").unwrap();
     }
 
