@@ -1,8 +1,10 @@
 //! How good a state is: seams, strain, clearance, intersections. Nothing here changes anything.
 
+mod gate;
 mod intersections;
 mod strain;
 
+pub use gate::{Check, LARGEST_SEAM_GAP, LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, hand_off};
 pub use intersections::{body_intersections, cloth_intersections};
 pub use strain::{Strain, principal_stretches};
 

@@ -62,7 +62,8 @@ impl Strain {
         for t in 0..areas.len() {
             let corners = level.particles(t).map(|p| positions[p as usize]);
             let Some([larger, smaller]) = principal_stretches(level.rest_corners(t), corners) else { continue };
-            let less = |strain: f64| (strain - allowance[t]).max(0.0);
+            // Not `max`, which would make zero of what is not a number.
+            let less = |strain: f64| if strain < allowance[t] { 0.0 } else { strain - allowance[t] };
             let (up, down) = ((larger - 1.0).abs(), (smaller - 1.0).abs());
             mean += areas[t] * less(0.5 * (up + down));
             total += areas[t];
@@ -100,6 +101,7 @@ fn percentile_99(mut values: Vec<(f64, f64)>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::garment::PanelRange;
 
     #[test]
     fn stretches_of_a_known_map() {
@@ -108,6 +110,25 @@ mod tests {
         let corners = rest.map(|p| turn * Vector3::new(1.2 * p.x, 0.9 * p.y, 0.0) + Vector3::new(5.0, 0.0, 1.0));
         let [larger, smaller] = principal_stretches(rest, corners).unwrap();
         assert!((larger - 1.2).abs() < 1e-12 && (smaller - 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn positions_that_are_not_numbers_have_no_strain_to_be_proud_of() {
+        let level = Level {
+            resolution: 1.0,
+            particle_count: 3,
+            panels: vec![PanelRange { points: 0..3, triangles: 0..1 }],
+            rest: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Vector2::from).to_vec(),
+            particle_of: vec![0, 1, 2],
+            triangles: vec![[0, 1, 2]],
+            stitches: vec![],
+            hinges: vec![],
+            seams: vec![],
+            segments: vec![],
+            eased: vec![],
+        };
+        let positions = [Vector3::repeat(f64::NAN), Vector3::x(), Vector3::y()];
+        assert!(Strain::of(&level, &positions, &[0.0]).mean.is_nan());
     }
 
     #[test]

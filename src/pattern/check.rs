@@ -21,6 +21,7 @@ impl Pattern {
         }
         let mut names: HashMap<&str, usize> = HashMap::new();
         for panel in &self.panels {
+            check_name(&panel.name)?;
             if names.insert(&panel.name, 0).is_some() {
                 return Err(Error::new(
                     format!("Two panels are named \"{}\".", panel.name),
@@ -59,6 +60,18 @@ impl Pattern {
         }
         Ok(())
     }
+}
+
+/// A name is one line of text: it stands for its panel in messages and in files.
+fn check_name(name: &str) -> Result<(), Error> {
+    let breaks = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
+    if name.trim().is_empty() || name.contains(breaks) {
+        return Err(Error::new(
+            format!("A panel is named \"{}\".", name.escape_debug()),
+            "Give every panel a name of its own, one line of text without control characters.",
+        ));
+    }
+    Ok(())
 }
 
 impl Panel {
@@ -123,5 +136,20 @@ impl Panel {
             ));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_one_line_of_text() {
+        for name in ["", " ", "left\nsleeve", "left\u{2028}sleeve", "left\0sleeve"] {
+            assert!(check_name(name).is_err(), "{name:?}");
+        }
+        for name in ["left_sleeve", "left sleeve", "linke Ärmel", "o # f"] {
+            assert!(check_name(name).is_ok(), "{name:?}");
+        }
     }
 }
