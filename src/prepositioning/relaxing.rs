@@ -5,6 +5,7 @@ use super::problem::Relaxation;
 use super::sewing::hold;
 use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
 use crate::arrangement::Arrangement;
+use crate::assess::cloth_intersections;
 use crate::contact::{BodyContact, BodyContactSettings};
 use crate::energy::Energy;
 use crate::geometry::Vector3;
@@ -16,6 +17,9 @@ const ANCHOR_INTERVAL: usize = 40;
 /// A coarse level is done at this rms residual, in particle weights: what is left is far below what
 /// the prolongation to the next level brings.
 const COARSE_RESIDUAL: f64 = 0.3;
+/// Share of the finest level's evaluations in which cloth slides without friction: a garment is
+/// smoothed by the hand before it is left to itself.
+const SLIDING: f64 = 0.75;
 /// How far below its place in the pattern a waist line may sink while a garment settles, m.
 const WAIST_SLACK: f64 = 0.01;
 
@@ -42,6 +46,7 @@ pub fn relax(
         particles: cloth.particle_count,
         evaluations: budget,
     });
+    let starting_intersections = cloth_intersections(cloth, positions).len();
     let mut problem = problem(scene, level, arrangement, positions);
     let mut run = Run { minimizer: ConjugateGradient::new(positions.len()), evaluations: 0, curve: Vec::new() };
     let mut termination = Termination::Budget;
@@ -49,12 +54,12 @@ pub fn relax(
         let most = ANCHOR_INTERVAL.min(budget - run.evaluations);
         termination = run.steps(scene, level, &mut problem, positions, most, observer);
         if finest {
-            let ph = std::env::var("PH").map_or(0.5, |v| v.parse::<f64>().unwrap());
-            if run.evaluations as f64 >= ph * budget as f64 {
+            // Cloth finds its place by sliding; in the end it stays there by friction alone.
+            if run.evaluations as f64 >= SLIDING * budget as f64 {
                 problem.body.settings.friction = scene.fabric.friction;
                 problem.energy.holds.clear();
             }
-            if std::env::var("NOCORR").is_err() { problem.body.correct(positions); }
+            problem.body.correct(positions);
         }
         problem.body.update_anchors(positions);
         if termination != Termination::Budget {
@@ -62,7 +67,6 @@ pub fn relax(
         }
     }
     if finest {
-        if std::env::var("DBG").is_ok() { let a = crate::assess::assess(scene.pattern, cloth, positions, scene.body, scene.settings.clearance); eprintln!("before finish {:?} {:?} {:?}", a.strain_less_gathers, a.clearance, a.intersections.by_panels); }
         finish::clear_body(scene, level, &mut problem, positions);
     }
     let mut gradient = vec![Vector3::zeros(); positions.len()];
@@ -75,7 +79,7 @@ pub fn relax(
         energies: problem.terms,
         residual: problem.residual(&gradient),
         termination,
-        starting_intersections: 0,
+        starting_intersections,
         curve: run.curve,
     };
     observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
@@ -84,12 +88,8 @@ pub fn relax(
 
 fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, positions: &[Vector3]) -> Relaxation<'a> {
     let (settings, cloth) = (scene.settings, &scene.garment.levels[level]);
-    let finest = level + 1 == scene.garment.levels.len();
     let mut energy = Energy::new(cloth, scene.fabric, settings.model);
-    // Cloth finds its place by sliding; on the finest level it stays there by friction alone.
-    {
-        energy.holds.extend(waist_hold(scene, level, arrangement, positions));
-    }
+    energy.holds.extend(waist_hold(scene, level, arrangement, positions));
     let contact = BodyContactSettings {
         clearance: settings.clearance,
         stiffness: settings.contact_stiffness(scene.fabric),
