@@ -5,6 +5,8 @@ use crate::{Error, Warning};
 
 /// Bodies from infants' to giants', m.
 const HEIGHTS: std::ops::RangeInclusive<f64> = 0.3..=3.0;
+/// No body has less than a tenth of a litre, m³.
+const LEAST_VOLUME: f64 = 1e-4;
 /// How far below or above the floor the feet may stand before it is worth a word, m.
 const FLOOR_TOLERANCE: f64 = 0.05;
 /// How many bad edges are listed in a message.
@@ -33,10 +35,24 @@ pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<War
                 "Export the body again.",
             ));
         }
+        let [a, b, c] = *t;
+        if a == b || b == c || c == a {
+            return Err(Error::new(
+                format!("Triangle {} has the same vertex twice.", k + 1),
+                "Remove triangles without area and export the body again.",
+            ));
+        }
     }
     check_size(positions)?;
     check_closed(triangles)?;
-    if volume(positions, triangles) < 0.0 {
+    let volume = volume(positions, triangles);
+    if volume.abs() < LEAST_VOLUME {
+        return Err(Error::new(
+            "The body encloses no volume.",
+            "Give a closed mesh of the whole body; a flat sheet cannot be dressed.",
+        ));
+    }
+    if volume < 0.0 {
         return Err(Error::new(
             "The body is inside out: its triangles face inwards.",
             "Flip the normals of the mesh in the program that made it, and export it again.",

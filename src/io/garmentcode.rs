@@ -17,8 +17,10 @@ use std::fmt;
 /// Units to the metre where the file does not say: centimetres.
 const DEFAULT_UNITS_IN_METER: f64 = 100.0;
 
-/// More edges than any pattern has; a file with more is damaged, and checking it would take long.
+/// More edges than any pattern or panel has; a file with more is damaged, and comparing all edges of
+/// a panel with each other would take long.
 const MOST_EDGES: usize = 20_000;
+const MOST_EDGES_PER_PANEL: usize = 1_000;
 
 #[derive(Deserialize)]
 struct File {
@@ -187,6 +189,12 @@ impl Unit {
 }
 
 fn read_panel(name: &str, raw: &RawPanel, unit: &Unit, warnings: &mut Vec<Warning>) -> Result<Panel, Error> {
+    if raw.edges.len() > MOST_EDGES_PER_PANEL {
+        return Err(Error::new(
+            format!("The panel has {} edges.", raw.edges.len()),
+            format!("A panel of more than {MOST_EDGES_PER_PANEL} edges is taken as damaged; draw it with curves."),
+        ));
+    }
     let corners: Vec<Vector2> = raw.vertices.iter().map(|&v| Vector2::from(v) * unit.metres).collect();
     let mut segments = Vec::with_capacity(raw.edges.len());
     for (k, edge) in raw.edges.iter().enumerate() {

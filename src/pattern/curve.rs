@@ -124,6 +124,16 @@ impl Curve {
         self.shape == Shape::Line
     }
 
+    /// The points whose hull a Bézier curve stays in: its ends and controls. An arc has but its ends.
+    pub fn control_points(&self) -> impl Iterator<Item = Vector2> + use<> {
+        let inner = match self.shape {
+            Shape::Line | Shape::Arc(_) => [None, None],
+            Shape::Quadratic(c) => [Some(c), None],
+            Shape::Cubic(c, d) => [Some(c), Some(d)],
+        };
+        [Some(self.start), Some(self.end)].into_iter().chain(inner).flatten()
+    }
+
     /// Are all numbers of the curve finite?
     pub fn is_finite(&self) -> bool {
         let inner = match self.shape {
