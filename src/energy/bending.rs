@@ -78,13 +78,17 @@ impl Rest {
     }
 }
 
-/// The quadratic form of a hinge: `E = ½ · 3B / (A₀ + A₁) · |Σ kᵢ xᵢ|²`, with the cotangents that
+/// The quadratic form of a hinge: `E = ½ · B / (A₀ + A₁) · |Σ kᵢ xᵢ|²`, with the cotangents that
 /// Bergou et al. give in equation 4. Each side takes its cotangents from its own panel, which is
 /// what makes seams bend like cloth.
+///
+/// Bergou et al. have `3B`, which makes the mean of the curvatures at the edges right but counts the
+/// scatter of those at differently turned edges as bending: a cylinder of equilateral triangles
+/// then costs three times the `½ B A / R²` of a plate.
 pub fn hinge_form(level: &Level, hinge: &Hinge, fabric: &Fabric) -> HingeForm {
     let rest = Rest::of(level, hinge);
     let [([a0, b0], area0), ([a1, b1], area1)] = rest.sides;
-    let weight = (3.0 * fabric.bending_along(rest.cos_to_warp) / (area0 + area1)).sqrt();
+    let weight = (fabric.bending_along(rest.cos_to_warp) / (area0 + area1)).sqrt();
     let k = [b0 + b1, a0 + a1, -(a0 + b0), -(a1 + b1)];
     HingeForm { particles: rest.particles, coefficients: k.map(|k| k * weight) }
 }

@@ -3,7 +3,7 @@
 //! Bézier curves are measured by kurbo; circular arcs have closed formulas.
 
 use crate::geometry::{Vector2, cross};
-use kurbo::{CubicBez, ParamCurve, ParamCurveArclen, ParamCurveArea, Point, QuadBez};
+use kurbo::{CubicBez, ParamCurveArclen, ParamCurveArea, Point, QuadBez};
 
 /// To how many metres kurbo measures a length. A pattern is cut to a tenth of a millimetre; matching
 /// the two sides of a seam asks for far less than the finest resolution.
@@ -150,7 +150,7 @@ fn finite(p: Vector2) -> bool {
     p.iter().all(|c| c.is_finite())
 }
 
-fn bezier_at_fraction(bezier: &(impl ParamCurve + ParamCurveArclen), fraction: f64) -> Vector2 {
+fn bezier_at_fraction(bezier: &impl ParamCurveArclen, fraction: f64) -> Vector2 {
     let target = fraction * bezier.arclen(LENGTH_ACCURACY);
     our_point(bezier.eval(bezier.inv_arclen(target, LENGTH_ACCURACY)))
 }
