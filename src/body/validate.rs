@@ -73,11 +73,13 @@ fn check_size(positions: &[Vector3]) -> Result<(), Error> {
     if HEIGHTS.contains(&size) {
         return Ok(());
     }
-    let remedy = match size {
-        s if HEIGHTS.contains(&(s / 100.0)) => "It seems to be in centimetres: scale it by 0.01.".to_owned(),
-        s if HEIGHTS.contains(&(s / 1000.0)) => "It seems to be in millimetres: scale it by 0.001.".to_owned(),
-        s if HEIGHTS.contains(&(s * 0.0254)) => "It seems to be in inches: scale it by 0.0254.".to_owned(),
-        _ => format!("Bodies are in metres, from {} to {} m tall.", HEIGHTS.start(), HEIGHTS.end()),
+    let units = [("centimetres", 0.01), ("millimetres", 0.001), ("inches", 0.0254)];
+    let fitting = units.iter().filter(|(_, metres)| HEIGHTS.contains(&(size * metres)));
+    let guesses: Vec<String> = fitting.map(|(unit, metres)| format!("in {unit}, scale it by {metres}")).collect();
+    let remedy = if guesses.is_empty() {
+        format!("Bodies are in metres, from {} to {} m tall.", HEIGHTS.start(), HEIGHTS.end())
+    } else {
+        format!("If it is {}.", guesses.join("; if it is "))
     };
     Err(Error::new(format!("The body is {size:.4} m tall."), remedy))
 }

@@ -273,8 +273,7 @@ const EQUAL_LENGTHS: f64 = 1e-3;
 fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {
     let mut seen = std::collections::HashMap::new();
     let panel_of = level.panel_of_triangle();
-    for t in 0..level.triangles.len() {
-        let mut corners = level.particles(t);
+    for (t, mut corners) in level.particle_triangles().into_iter().enumerate() {
         corners.sort_unstable();
         let folded = corners[0] == corners[1] || corners[1] == corners[2];
         let other = seen.insert(corners, t);

@@ -4,8 +4,8 @@
 use super::outline::Outline;
 use crate::Error;
 use crate::geometry::{Vector2, cross};
-use std::collections::HashMap;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use std::collections::HashMap;
 
 /// Lattice points stay this far from the outline, in resolutions: nearer ones would make needles,
 /// farther ones leave the rim too coarse.

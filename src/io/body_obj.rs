@@ -121,10 +121,8 @@ impl Mesh {
         for &v in self.triangles.iter().flatten() {
             number[v as usize] = 0;
         }
-        let mut kept = 0;
-        for number in number.iter_mut().filter(|n| **n == 0) {
+        for (number, kept) in number.iter_mut().filter(|n| **n == 0).zip(0..) {
             *number = kept;
-            kept += 1;
         }
         let mut numbers = number.iter();
         self.positions.retain(|_| numbers.next() != Some(&u32::MAX));

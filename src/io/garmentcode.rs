@@ -168,7 +168,7 @@ impl Unit {
             );
             DEFAULT_UNITS_IN_METER
         });
-        if !(units_in_meter > 0.0) {
+        if units_in_meter <= 0.0 || units_in_meter.is_nan() {
             return Err(Error::new(
                 format!("`units_in_meter` is {units_in_meter}."),
                 "Give how many pattern units make a metre: 100 for centimetres.",
@@ -313,7 +313,7 @@ fn read_arc(
         Param::Number(number) => Ok(*number != 0.0),
         Param::Point(_) => Err(Error::new("A flag of its circle is not a number.", "Give 0 or 1.")),
     };
-    if !(radius > 0.0) {
+    if radius <= 0.0 || radius.is_nan() {
         return Err(Error::new(
             format!("The radius of its circle is {radius}."),
             "Give a positive radius in pattern units.",
