@@ -223,4 +223,22 @@ mod tests {
         positions[3].x = f64::NAN;
         assert!(problem(&positions, &triangles).problem().contains("Vertex 4"));
     }
+
+    #[test]
+    fn a_sheet_is_no_body_though_it_is_closed() {
+        let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
+        assert!(problem(&positions, &[[0, 1, 2], [0, 2, 1]]).problem().contains("no volume"));
+        assert!(problem(&positions, &[[0, 1, 1], [0, 2, 1]]).problem().contains("same vertex twice"));
+        assert!(problem(&positions, &[[0, 1, 3]]).problem().contains("does not exist"));
+        assert!(problem(&positions, &[]).problem().contains("no triangles"));
+    }
+
+    #[test]
+    fn a_lying_body_is_told_to_stand_up() {
+        let (positions, triangles) = ball(1.0);
+        let lying: Vec<Vector3> = positions.iter().map(|p| Vector3::new(0.4 * p.x, 0.3 * p.z, -p.y)).collect();
+        assert!(problem(&lying, &triangles).remedy().contains("y is up"));
+        let hovering: Vec<Vector3> = positions.iter().map(|p| p + Vector3::y()).collect();
+        assert!(validate(&hovering, &triangles).unwrap()[0].0.remedy().contains("floor"));
+    }
 }

@@ -48,6 +48,28 @@ impl Mesh {
         mesh
     }
 
+    /// A box of 1.2 by 0.4 by 1 m whose top slopes down towards +x by `angle`, rad.
+    pub fn incline(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        let corner = |k: usize| [[-0.6, 0.6][k & 1], [-0.2, 0.2][k >> 1 & 1], [-0.5, 0.5][k >> 2 & 1]];
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        Self { vertices: (0..8).map(corner).collect(), faces: faces.map(Vec::from).into() }
+            .mapped(|[x, y, z]| [cos * x + sin * y, cos * y - sin * x + 0.6, z])
+    }
+
+    /// A block of 1.2 by 0.8 by 1 m with a groove along its top.
+    pub fn groove() -> Self {
+        let profile = [[0.0, 0.3], [-0.6, 0.8], [-0.6, 0.0], [0.6, 0.0], [0.6, 0.7]];
+        let vertices = [0.5, -0.5].iter().flat_map(|&z| profile.map(|[x, y]| [x, y, z])).collect();
+        let mut faces = vec![vec![0, 1, 2, 3, 4], vec![5, 9, 8, 7, 6]];
+        faces.extend((0..5).map(|k| vec![(k + 1) % 5, k, k + 5, (k + 1) % 5 + 5]));
+        Self { vertices, faces }
+    }
+
+    pub fn body(&self) -> toile::body::Body {
+        toile::io::body_obj::parse(self.obj().as_bytes()).unwrap().0
+    }
+
     pub fn mapped(mut self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         self.vertices.iter_mut().for_each(|v| *v = map(*v));
         self

@@ -1,6 +1,33 @@
 //! Small GarmentCode patterns, drawn here.
 
 use serde_json::{Value, json};
+use toile::garment::{Garment, Level};
+use toile::io::garmentcode;
+use toile::pattern::Pattern;
+
+pub fn pattern_of(document: &Value) -> Pattern {
+    garmentcode::parse(&document.to_string(), "drawn for a test").unwrap().0
+}
+
+/// A rectangle of `width` by `height`, m, as one level.
+pub fn sheet(width: f64, height: f64, resolution: f64) -> Level {
+    let mut document = towel();
+    let (w, h) = (100.0 * width, 100.0 * height);
+    document["pattern"]["panels"]["towel"]["vertices"] = json!([[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]]);
+    Garment::build(&pattern_of(&document), &[resolution]).unwrap().levels.remove(0)
+}
+
+/// Two squares of `side`, m, that are not sewn, as one level.
+pub fn two_sheets(side: f64, resolution: f64) -> Level {
+    let mut document = towel();
+    let s = 100.0 * side;
+    let panels = &mut document["pattern"]["panels"];
+    panels["towel"]["vertices"] = json!([[0.0, 0.0], [s, 0.0], [s, s], [0.0, s]]);
+    panels["second"] = panels["towel"].clone();
+    // Turned, so that the meshes of the two do not lie vertex on vertex.
+    panels["second"]["vertices"] = json!([[0.1 * s, 0.05 * s], [1.04 * s, 0.0], [s, 0.93 * s], [0.0, s]]);
+    Garment::build(&pattern_of(&document), &[resolution]).unwrap().levels.remove(0)
+}
 
 /// A flared skirt of `width` by `height`, cm: a front with a gathered waist sewn to a belt, a back
 /// with a dart. It has every kind of curve, a dart, a gather and a `right_wrong` seam.
