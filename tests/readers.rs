@@ -413,3 +413,26 @@ fn a_bad_line_of_a_body_is_named() {
     assert_body_refused(&format!("{text}f 0 1 2"), ["line", "\"0\"", "counted from 1"]);
     assert_body_refused(&format!("{text}f 1 2 99999"), ["line", "vertex 99999", "counted from 1"]);
 }
+
+/// All edges overlap in x, so that the sweep that looks for crossings can rule out none of them early.
+#[test]
+fn a_comb_of_a_thousand_bent_teeth_does_not_hang() {
+    let mut document = towel();
+    let teeth = 499;
+    let mut vertices: Vec<Value> =
+        (0..=2 * teeth).map(|k| json!([if k % 2 == 0 { 0.0 } else { 50.0 }, 0.2 * f64::from(k)])).collect();
+    vertices.push(json!([-10.0, 0.1 * f64::from(teeth)]));
+    let count = vertices.len();
+    let curve = json!({"type": "cubic", "params": [[0.3, 0.0005], [0.6, -0.0005]]});
+    let edge = |k: usize| match k + 2 < count {
+        true => json!({"endpoints": [k, k + 1], "curvature": curve}),
+        false => json!({"endpoints": [k, (k + 1) % count]}),
+    };
+    document["pattern"]["panels"]["towel"]["edges"] = (0..count).map(edge).collect();
+    document["pattern"]["panels"]["towel"]["vertices"] = vertices.into();
+    let panel = document["pattern"]["panels"]["towel"].clone();
+    for k in 1..5 {
+        document["pattern"]["panels"][format!("comb {k}")] = panel.clone();
+    }
+    assert!(attack_pattern(&document.to_string()));
+}

@@ -19,7 +19,7 @@ const DEFAULT_UNITS_IN_METER: f64 = 100.0;
 
 /// More edges than any pattern or panel has; a file with more is damaged, and comparing all edges of
 /// a panel with each other would take long.
-const MOST_EDGES: usize = 20_000;
+const MOST_EDGES: usize = 5_000;
 const MOST_EDGES_PER_PANEL: usize = 1_000;
 
 #[derive(Deserialize)]
