@@ -2,7 +2,9 @@
 
 mod support;
 
+use toile::assess::CLEARANCE_TOLERANCE;
 use toile::body::{Body, DistanceField};
+use toile::contact::{BodyContact, BodyContactSettings};
 use toile::geometry::Vector3;
 use toile::io::body_obj;
 
@@ -108,5 +110,29 @@ fn real_bodies_have_the_volume_of_people() {
         let inside = (0..count).filter(|&k| body.contains(sample(k))).count();
         let volume = size.x * size.y * size.z * inside as f64 / count as f64;
         assert!((0.045..0.12).contains(&volume), "{name}: {volume} m³");
+    }
+}
+
+/// Particles a millimetre above or below the skin, anywhere, are taken out to their clearance; but not
+/// between toes and lips that are nearer to each other than twice that, nor where skin passes through skin.
+#[test]
+fn held_particles_are_clear_of_real_bodies() {
+    let level = support::patterns::sheet(1.0, 1.0, 0.0095);
+    for (name, body) in real_bodies() {
+        let field = DistanceField::new(&body, CELL, BAND);
+        let settings = BodyContactSettings { clearance: 0.001, stiffness: 1.0, friction: 0.0 };
+        let contact = BodyContact::new(&body, &field, &level, settings);
+        let count = body.triangles().len();
+        let near = |k: usize| {
+            let [a, b, c] = body.corners((k * count / level.particle_count) as u32);
+            (a + b + c) / 3.0 + (b - a).cross(&(c - a)).normalize() * (0.001 * (k as f64 * 0.77).sin())
+        };
+        let positions: Vec<Vector3> = (0..level.particle_count).map(near).collect();
+        let moves = contact.hold(&positions);
+        let distances = positions.iter().zip(&moves).map(|(p, m)| body.signed_distance(p + m));
+        let too_near: Vec<f64> = distances.filter(|&d| d < settings.clearance - CLEARANCE_TOLERANCE).collect();
+        let inside = too_near.iter().filter(|&&d| d < 0.0).count();
+        eprintln!("{name}: {} of {} are too near, {inside} inside", too_near.len(), positions.len());
+        assert!(too_near.len() * 80 < positions.len() && inside * 400 < positions.len(), "{name}");
     }
 }
