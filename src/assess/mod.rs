@@ -132,3 +132,77 @@ impl Intersections {
         self.body_pairs == 0 && self.cloth_pairs == 0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::Garment;
+    use crate::pattern::shapes;
+
+    /// Two rectangles side by side in the plane z = 0, the right one moved by `shift`.
+    fn pair(sewn: bool, shift: Vector3) -> (Pattern, Level, Vec<Vector3>) {
+        let pattern = shapes::two_rectangles(0.2, 0.3);
+        let mut garment = Garment::build(&pattern, &[0.03]).unwrap();
+        let level = if sewn { garment.levels.remove(0) } else { garment.open };
+        let mut positions = vec![Vector3::zeros(); level.particle_count];
+        for (k, &p) in level.particle_of.iter().enumerate() {
+            let right = level.panels[1].points.contains(&k);
+            let beside = if right { Vector3::new(0.2, 0.0, 0.0) + shift } else { Vector3::zeros() };
+            positions[p as usize] = Vector3::new(level.rest[k].x, level.rest[k].y, 0.0) + beside;
+        }
+        (pattern, level, positions)
+    }
+
+    #[test]
+    fn an_open_seam_gapes_by_what_its_panels_are_apart() {
+        let (_, level, positions) = pair(false, Vector3::new(0.003, 0.0, 0.004));
+        let gaps = seam_gaps(&level, &positions);
+        assert_eq!(gaps.pairs, 11, "a side of 0.3 m has ten steps of 0.03 m");
+        assert!((gaps.largest - 0.005).abs() < 1e-12 && (gaps.mean - 0.005).abs() < 1e-12);
+        let (_, level, positions) = pair(true, Vector3::zeros());
+        assert_eq!(seam_gaps(&level, &positions), SeamGaps { pairs: 11, largest: 0.0, mean: 0.0 });
+    }
+
+    #[test]
+    fn stretch_and_compression_are_told_apart() {
+        let (pattern, level, positions) = pair(true, Vector3::zeros());
+        let pulled: Vec<Vector3> = positions.iter().map(|p| Vector3::new(1.03 * p.x, 0.98 * p.y, p.z)).collect();
+        let strain = Strain::of(&level, &pulled, &strain::gather_allowance(&pattern, &level));
+        let found = [strain.mean, strain.p99, strain.max, strain.stretch_max, strain.compression_max];
+        for (ours, exact) in found.into_iter().zip([0.025, 0.03, 0.03, 0.03, 0.02]) {
+            assert!((ours - exact).abs() < 1e-12, "{strain:?}");
+        }
+    }
+
+    #[test]
+    fn crossing_panels_are_counted_by_their_names_and_the_body_apart() {
+        let body = crate::body::shapes::ball();
+        // Above the ball, the right panel turned upright and pushed through the left one.
+        let (_, level, flat) = pair(false, Vector3::zeros());
+        let mut positions = flat;
+        for (k, p) in positions.iter_mut().enumerate() {
+            *p = if level.panels[1].points.contains(&k) {
+                Vector3::new(0.0101, 1.2 + 0.9 * (p.x - 0.3), p.y - 0.1502)
+            } else {
+                Vector3::new(p.x - 0.1, 1.2, p.y - 0.15)
+            };
+        }
+        let found = Intersections::of(&level, &positions, &body);
+        assert!(found.cloth_pairs > 5 && found.body_pairs == 0, "{found:?}");
+        assert_eq!(found.by_panels.keys().collect::<Vec<_>>(), [&(0, Some(1))]);
+        assert!(!found.is_clean());
+        // Lowered until the left panel dips into the ball.
+        positions.iter_mut().for_each(|p| p.y -= 0.201);
+        let found = Intersections::of(&level, &positions, &body);
+        assert!(found.by_panels.contains_key(&(0, None)) && found.by_panels.contains_key(&(1, None)), "{found:?}");
+    }
+
+    #[test]
+    fn clearances_count_who_is_inside_and_who_is_too_near() {
+        let body = crate::body::shapes::ball();
+        let at = |height: f64| Vector3::new(0.0, height, 0.0);
+        let clearance = Clearance::of(&[at(1.1), at(1.002), at(1.00095), at(0.98)], &body, 0.001);
+        assert_eq!((clearance.inside, clearance.too_near), (1, 1), "{clearance:?}");
+        assert!((clearance.least + 0.02).abs() < 1e-4);
+    }
+}

@@ -127,13 +127,13 @@ impl DistanceField {
             if z == 0 || (z + 1) * plane >= values.len() {
                 return;
             }
-            for at in nx + 1..plane - nx - 1 {
+            for (at, out) in out.iter_mut().enumerate().take(plane - nx - 1).skip(nx + 1) {
                 let here = z * plane + at;
                 let center = values[here];
                 if center.is_finite() {
                     let around: f32 = [1, nx, plane].iter().map(|d| values[here - d] + values[here + d]).sum();
                     // At the rim of what was computed a neighbour is infinite; nobody samples there.
-                    out[at] = if around.is_finite() { center - (around - 6.0 * center) / 8.0 } else { center };
+                    *out = if around.is_finite() { center - (around - 6.0 * center) / 8.0 } else { center };
                 }
             }
         });

@@ -5,6 +5,8 @@ use crate::{Error, Warning};
 
 /// Bodies from infants' to giants', m.
 const HEIGHTS: std::ops::RangeInclusive<f64> = 0.3..=3.0;
+/// No body has less than a tenth of a litre, m³.
+const LEAST_VOLUME: f64 = 1e-4;
 /// How far below or above the floor the feet may stand before it is worth a word, m.
 const FLOOR_TOLERANCE: f64 = 0.05;
 /// How many bad edges are listed in a message.
@@ -33,10 +35,24 @@ pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<War
                 "Export the body again.",
             ));
         }
+        let [a, b, c] = *t;
+        if a == b || b == c || c == a {
+            return Err(Error::new(
+                format!("Triangle {} has the same vertex twice.", k + 1),
+                "Remove triangles without area and export the body again.",
+            ));
+        }
     }
     check_size(positions)?;
     check_closed(triangles)?;
-    if volume(positions, triangles) < 0.0 {
+    let volume = volume(positions, triangles);
+    if volume.abs() < LEAST_VOLUME {
+        return Err(Error::new(
+            "The body encloses no volume.",
+            "Give a closed mesh of the whole body; a flat sheet cannot be dressed.",
+        ));
+    }
+    if volume < 0.0 {
         return Err(Error::new(
             "The body is inside out: its triangles face inwards.",
             "Flip the normals of the mesh in the program that made it, and export it again.",
@@ -57,11 +73,13 @@ fn check_size(positions: &[Vector3]) -> Result<(), Error> {
     if HEIGHTS.contains(&size) {
         return Ok(());
     }
-    let remedy = match size {
-        s if HEIGHTS.contains(&(s / 100.0)) => "It seems to be in centimetres: scale it by 0.01.".to_owned(),
-        s if HEIGHTS.contains(&(s / 1000.0)) => "It seems to be in millimetres: scale it by 0.001.".to_owned(),
-        s if HEIGHTS.contains(&(s * 0.0254)) => "It seems to be in inches: scale it by 0.0254.".to_owned(),
-        _ => format!("Bodies are in metres, from {} to {} m tall.", HEIGHTS.start(), HEIGHTS.end()),
+    let units = [("centimetres", 0.01), ("millimetres", 0.001), ("inches", 0.0254)];
+    let fitting = units.iter().filter(|(_, metres)| HEIGHTS.contains(&(size * metres)));
+    let guesses: Vec<String> = fitting.map(|(unit, metres)| format!("in {unit}, scale it by {metres}")).collect();
+    let remedy = if guesses.is_empty() {
+        format!("Bodies are in metres, from {} to {} m tall.", HEIGHTS.start(), HEIGHTS.end())
+    } else {
+        format!("If it is {}.", guesses.join("; if it is "))
     };
     Err(Error::new(format!("The body is {size:.4} m tall."), remedy))
 }
@@ -204,5 +222,23 @@ mod tests {
         let (mut positions, triangles) = ball(1.0);
         positions[3].x = f64::NAN;
         assert!(problem(&positions, &triangles).problem().contains("Vertex 4"));
+    }
+
+    #[test]
+    fn a_sheet_is_no_body_though_it_is_closed() {
+        let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
+        assert!(problem(&positions, &[[0, 1, 2], [0, 2, 1]]).problem().contains("no volume"));
+        assert!(problem(&positions, &[[0, 1, 1], [0, 2, 1]]).problem().contains("same vertex twice"));
+        assert!(problem(&positions, &[[0, 1, 3]]).problem().contains("does not exist"));
+        assert!(problem(&positions, &[]).problem().contains("no triangles"));
+    }
+
+    #[test]
+    fn a_lying_body_is_told_to_stand_up() {
+        let (positions, triangles) = ball(1.0);
+        let lying: Vec<Vector3> = positions.iter().map(|p| Vector3::new(0.4 * p.x, 0.3 * p.z, -p.y)).collect();
+        assert!(problem(&lying, &triangles).remedy().contains("y is up"));
+        let hovering: Vec<Vector3> = positions.iter().map(|p| p + Vector3::y()).collect();
+        assert!(validate(&hovering, &triangles).unwrap()[0].0.remedy().contains("floor"));
     }
 }

@@ -25,6 +25,10 @@ pub enum Bending {
 /// a fold of everyday size. No constant matches both everywhere, one being of fourth order.
 const MATCHING_RADIUS: f64 = 0.02;
 
+/// Mean of cos⁸ over all angles: a spring at an angle to the curvature shortens by the fourth power of
+/// the cosine only, and its energy is the square of that.
+const TURNED_SHARE: f64 = 35.0 / 128.0;
+
 /// The quadratic form of one hinge, `½ |Σ cᵢ xᵢ|²` over ends and tips.
 pub struct HingeForm {
     /// End, end, tip, tip.
@@ -78,13 +82,17 @@ impl Rest {
     }
 }
 
-/// The quadratic form of a hinge: `E = ½ · 3B / (A₀ + A₁) · |Σ kᵢ xᵢ|²`, with the cotangents that
+/// The quadratic form of a hinge: `E = ½ · B / (A₀ + A₁) · |Σ kᵢ xᵢ|²`, with the cotangents that
 /// Bergou et al. give in equation 4. Each side takes its cotangents from its own panel, which is
 /// what makes seams bend like cloth.
+///
+/// Bergou et al. have `3B`, which makes the mean of the curvatures at the edges right but counts the
+/// scatter of those at differently turned edges as bending: a cylinder of equilateral triangles
+/// then costs three times the `½ B A / R²` of a plate.
 pub fn hinge_form(level: &Level, hinge: &Hinge, fabric: &Fabric) -> HingeForm {
     let rest = Rest::of(level, hinge);
     let [([a0, b0], area0), ([a1, b1], area1)] = rest.sides;
-    let weight = (3.0 * fabric.bending_along(rest.cos_to_warp) / (area0 + area1)).sqrt();
+    let weight = (fabric.bending_along(rest.cos_to_warp) / (area0 + area1)).sqrt();
     let k = [b0 + b1, a0 + a1, -(a0 + b0), -(a1 + b1)];
     HingeForm { particles: rest.particles, coefficients: k.map(|k| k * weight) }
 }
@@ -109,7 +117,8 @@ impl CrossSpring {
             |([a, b], area): ([f64; 2], f64)| 0.5 * (a - b) / (a + b) * rest.edge_length * f64::from(area > 0.0);
         let rest_length = height.hypot(along(rest.sides[0]) - along(rest.sides[1])).max(0.5 * height);
         // On a cylinder of radius R the flat length s becomes the chord: e ≈ -(s/R)²/24.
-        let energy = 0.5 * fabric.bending_along(rest.cos_to_warp) / MATCHING_RADIUS.powi(2) * (area0 + area1) / 3.0;
+        let rigidity = fabric.bending_along(rest.cos_to_warp) / TURNED_SHARE;
+        let energy = 0.5 * rigidity / MATCHING_RADIUS.powi(2) * (area0 + area1) / 3.0;
         let strain = (rest_length / MATCHING_RADIUS).powi(2) / 24.0;
         Self {
             particles: [rest.particles[2], rest.particles[3]],

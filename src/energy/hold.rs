@@ -50,7 +50,7 @@ mod tests {
         let mut gradient = vec![Vector3::zeros(); 3];
         assert!(hold.evaluate(&at(0.9), &mut gradient) > 0.0);
         assert!(gradient[0].y < 0.0 && gradient[1] == Vector3::zeros());
-        let energy = |y: f64| hold.evaluate(&at(y), &mut vec![Vector3::zeros(); 3]);
+        let energy = |y: f64| hold.evaluate(&at(y), &mut [Vector3::zeros(); 3]);
         assert!(((energy(0.9 + 1e-6) - energy(0.9 - 1e-6)) / 2e-6 - gradient[0].y).abs() < 1e-6);
         assert_eq!(energy(1.2), 0.0);
     }

@@ -80,7 +80,7 @@ mod tests {
             let positions = |x: f64| vec![Vector3::zeros(), Vector3::new(0.6, 0.8, 0.0) * (length + x)];
             let mut gradient = vec![Vector3::zeros(); 2];
             stitches.evaluate(&positions(0.0), &mut gradient);
-            let energy = |x: f64| stitches.evaluate(&positions(x), &mut vec![Vector3::zeros(); 2]);
+            let energy = |x: f64| stitches.evaluate(&positions(x), &mut [Vector3::zeros(); 2]);
             let slope = (energy(1e-6) - energy(-1e-6)) / 2e-6;
             let along = gradient[1].dot(&Vector3::new(0.6, 0.8, 0.0));
             assert!((slope - along).abs() < 1e-6 && (gradient[0] + gradient[1]).norm() < 1e-12);

@@ -102,3 +102,93 @@ impl<'a> Locator<'a> {
         Location { triangle, weights: barycentric(point, self.corners(index)) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::Garment;
+    use crate::pattern::{Arc, Pattern, Shape, shapes};
+    use proptest::prelude::*;
+
+    /// Two rectangles sewn together, one with a round rim that reaches beyond coarse triangles.
+    fn garment() -> (Pattern, Garment) {
+        let mut pattern = shapes::two_rectangles(0.2, 0.3);
+        let rim = &mut pattern.panels[0].segments[3].curve;
+        rim.shape = Shape::Arc(Arc::between(rim.start, rim.end, 0.16, false, true));
+        let garment = Garment::build(&pattern, &[0.06, 0.023, 0.01]).unwrap();
+        (pattern, garment)
+    }
+
+    /// Where an affine map of the sewn plane brings the particles; the right panel lies beside the left.
+    fn mapped(level: &Level, map: impl Fn(Vector2) -> Vector3) -> Vec<Vector3> {
+        let mut positions = vec![Vector3::zeros(); level.particle_count];
+        for (k, &p) in level.particle_of.iter().enumerate() {
+            let shift = if level.panels[1].points.contains(&k) { 0.2 } else { 0.0 };
+            positions[p as usize] = map(level.rest[k] + Vector2::new(shift, 0.0));
+        }
+        positions
+    }
+
+    proptest! {
+        #[test]
+        fn prolongation_keeps_affine_maps(columns in proptest::array::uniform9(-2.0..2.0f64)) {
+            let (_, garment) = garment();
+            let [x, y, t] = [0, 3, 6].map(|k| Vector3::new(columns[k], columns[k + 1], columns[k + 2]));
+            let affine = |p: Vector2| x * p.x + y * p.y + t;
+            for (k, correspondence) in garment.correspondences.iter().enumerate() {
+                let (coarse, fine) = (&garment.levels[k], &garment.levels[k + 1]);
+                let prolonged = correspondence.prolong(coarse, fine, &mapped(coarse, affine));
+                for (ours, exact) in prolonged.iter().zip(mapped(fine, affine)) {
+                    prop_assert!((ours - exact).norm() < 1e-12, "{ours} is not {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_round_rim_is_extrapolated_unless_it_must_stay_within() {
+        let (_, garment) = garment();
+        let (coarse, fine) = (&garment.levels[0], &garment.levels[1]);
+        let correspondence = &garment.correspondences[0];
+        assert!(correspondence.locations.iter().any(|l| l.weights.iter().any(|&w| w < -0.01)));
+        let flat = |p: Vector2| Vector3::new(p.x, p.y, 0.0);
+        let positions = mapped(coarse, flat);
+        let leftmost = |points: &[Vector3]| points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+        let within = correspondence.prolong_within(coarse, fine, &positions);
+        assert!(leftmost(&within) >= leftmost(&positions) - 1e-12);
+        assert!(leftmost(&correspondence.prolong(coarse, fine, &positions)) < leftmost(&positions) - 1e-4);
+    }
+
+    #[test]
+    fn a_level_prolonged_to_itself_stays_where_it_is() {
+        let (_, garment) = garment();
+        for level in &garment.levels {
+            let positions: Vec<Vector3> =
+                (0..level.particle_count).map(|k| Vector3::new(k as f64, (k as f64).sin(), (k as f64).cos())).collect();
+            let same = Correspondence::new(level, level).prolong(level, level, &positions);
+            assert!(same.iter().zip(&positions).all(|(a, b)| (a - b).norm() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn welded_partners_meet_half_way_and_others_stay() {
+        let (_, garment) = garment();
+        let open = &garment.open;
+        let positions: Vec<Vector3> =
+            (0..open.particle_count).map(|k| Vector3::new(k as f64, (k as f64).sin(), 1.0)).collect();
+        let welded = garment.weld(&positions);
+        let first = &garment.levels[0];
+        assert_eq!(open.particle_count - first.particle_count, open.stitches.len());
+        let mut sewn = vec![false; open.particle_count];
+        for &[a, b] in &open.stitches {
+            let particle = first.particle_of[a as usize];
+            assert_eq!(particle, first.particle_of[b as usize]);
+            let half_way = (positions[a as usize] + positions[b as usize]) / 2.0;
+            assert!((welded[particle as usize] - half_way).norm() < 1e-12);
+            (sewn[a as usize], sewn[b as usize]) = (true, true);
+        }
+        for point in (0..open.particle_count).filter(|&p| !sewn[p]) {
+            assert_eq!(welded[first.particle_of[point] as usize], positions[point]);
+        }
+    }
+}

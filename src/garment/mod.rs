@@ -22,6 +22,9 @@ pub const FINEST_RESOLUTION: f64 = 0.0005;
 /// The coarsest, m: a sleeve has a dozen particles around it.
 pub const COARSEST_RESOLUTION: f64 = 0.1;
 
+/// The most particles on a level: a long dress at one millimetre, eight gigabytes with all its levels.
+pub const MOST_PARTICLES: f64 = 5e6;
+
 /// The pattern discretized on all its levels.
 #[derive(Clone, Debug)]
 pub struct Garment {
@@ -37,6 +40,7 @@ impl Garment {
     /// Discretizes a pattern at the given resolutions, coarsest first, m.
     pub fn build(pattern: &Pattern, resolutions: &[f64]) -> Result<Self, Error> {
         check_resolutions(resolutions)?;
+        check_particle_count(pattern, resolutions[resolutions.len() - 1])?;
         let outlines = Outlines::new(pattern, resolutions)?;
         let mut open = None;
         let mut levels: Vec<Level> = Vec::new();
@@ -85,6 +89,34 @@ fn check_resolutions(resolutions: &[f64]) -> Result<(), Error> {
         ));
     }
     Ok(())
+}
+
+/// Memory is asked for by the particle, about a kilobyte each on all levels.
+fn check_particle_count(pattern: &Pattern, resolution: f64) -> Result<(), Error> {
+    let counts = pattern.panels.iter().map(|panel| {
+        // Each particle of a hexagonal lattice stands for the area √3/2 h².
+        let inside = panel.signed_area().abs() / (0.75f64.sqrt() * resolution * resolution);
+        inside + panel.perimeter() / resolution
+    });
+    let counts: Vec<f64> = counts.collect();
+    let total: f64 = counts.iter().sum();
+    if total <= MOST_PARTICLES {
+        return Ok(());
+    }
+    let largest = (0..counts.len()).max_by(|&a, &b| counts[a].total_cmp(&counts[b])).unwrap_or(0);
+    Err(Error::new(
+        format!(
+            "At a resolution of {} mm the garment would have {:.1} million particles, {:.1} of them in this panel.",
+            resolution * 1e3,
+            total / 1e6,
+            counts[largest] / 1e6
+        ),
+        format!(
+            "Ask for a coarser resolution, with at most {} million; or is the pattern's unit wrong?",
+            MOST_PARTICLES / 1e6
+        ),
+    )
+    .within(format!("panel \"{}\"", pattern.panels[largest].name)))
 }
 
 /// All panels at one resolution, every point a particle of its own.
@@ -241,8 +273,7 @@ const EQUAL_LENGTHS: f64 = 1e-3;
 fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {
     let mut seen = std::collections::HashMap::new();
     let panel_of = level.panel_of_triangle();
-    for t in 0..level.triangles.len() {
-        let mut corners = level.particles(t);
+    for (t, mut corners) in level.particle_triangles().into_iter().enumerate() {
         corners.sort_unstable();
         let folded = corners[0] == corners[1] || corners[1] == corners[2];
         let other = seen.insert(corners, t);

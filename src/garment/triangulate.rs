@@ -5,6 +5,7 @@ use super::outline::Outline;
 use crate::Error;
 use crate::geometry::{Vector2, cross};
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use std::collections::HashMap;
 
 /// Lattice points stay this far from the outline, in resolutions: nearer ones would make needles,
 /// farther ones leave the rim too coarse.
@@ -92,18 +93,21 @@ fn lattice(polygon: &[Vector2], side: f64) -> Vec<Vector2> {
     let rows = ((high.y - low.y) / row_height).floor() as i64;
     let columns = ((high.x - low.x) / side).floor() as i64 + 2;
     let middle = (low + high) / 2.0;
-    let near = RimGrid::new(polygon, low, RIM * side);
+    let near = RimGrid::new(polygon, RIM * side);
     let mut points = Vec::new();
     for row in 0..=rows {
         let y = middle.y + (row as f64 - 0.5 * rows as f64) * row_height;
         let crossings = row_crossings(polygon, y);
         let shift = if row % 2 == 0 { 0.0 } else { 0.5 };
-        for column in 0..=columns {
-            let x = middle.x + ((column - columns / 2) as f64 + shift - 0.25) * side;
-            let to_the_left = crossings.partition_point(|&c| c < x);
-            let point = Vector2::new(x, y);
-            if to_the_left % 2 == 1 && !near.touches(point) {
-                points.push(point);
+        // Between a crossing and the next the row is inside.
+        for inside in crossings.chunks_exact(2) {
+            let column_at = |x: f64| ((x - middle.x) / side + 0.25 - shift) as i64 + columns / 2;
+            for column in column_at(inside[0]) - 1..=column_at(inside[1]) + 1 {
+                let x = middle.x + ((column - columns / 2) as f64 + shift - 0.25) * side;
+                let point = Vector2::new(x, y);
+                if inside[0] < x && x <= inside[1] && !near.touches(point) {
+                    points.push(point);
+                }
             }
         }
     }
@@ -123,21 +127,17 @@ fn row_crossings(polygon: &[Vector2], y: f64) -> Vec<f64> {
     crossings
 }
 
-/// The sides of a polygon in square bins, for asking whether a point is near one.
+/// The sides of a polygon in square bins, for asking whether a point is near one. Only bins that
+/// hold a side exist: a narrow panel drawn aslant has a large box, nearly all of it empty.
 struct RimGrid<'a> {
     polygon: &'a [Vector2],
-    low: Vector2,
     margin: f64,
-    columns: usize,
-    bins: Vec<Vec<u32>>,
+    bins: HashMap<[i64; 2], Vec<u32>>,
 }
 
 impl<'a> RimGrid<'a> {
-    fn new(polygon: &'a [Vector2], low: Vector2, margin: f64) -> Self {
-        let high = polygon.iter().fold(low, |a, p| a.sup(p));
-        let count = |extent: f64| (extent / margin).ceil() as usize + 3;
-        let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
-        let mut grid = Self { polygon, low, margin, columns, bins: vec![Vec::new(); columns * rows] };
+    fn new(polygon: &'a [Vector2], margin: f64) -> Self {
+        let mut grid = Self { polygon, margin, bins: HashMap::new() };
         for i in 0..polygon.len() {
             let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
             // Every bin within one margin of the side.
@@ -145,25 +145,25 @@ impl<'a> RimGrid<'a> {
             let last = grid.cell(a.sup(&b) + Vector2::repeat(margin));
             for row in first[1]..=last[1] {
                 for column in first[0]..=last[0] {
-                    grid.bins[row * columns + column].push(i as u32);
+                    grid.bins.entry([column, row]).or_default().push(i as u32);
                 }
             }
         }
         grid
     }
 
-    fn cell(&self, point: Vector2) -> [usize; 2] {
-        let at = (point - self.low) / self.margin;
-        [at.x, at.y].map(|c| (c + 1.0).floor().max(0.0) as usize)
+    fn cell(&self, point: Vector2) -> [i64; 2] {
+        [point.x, point.y].map(|c| (c / self.margin).floor() as i64)
     }
 
     fn touches(&self, point: Vector2) -> bool {
-        let [column, row] = self.cell(point);
         let n = self.polygon.len();
-        self.bins[row * self.columns + column].iter().any(|&i| {
-            let (a, b) = (self.polygon[i as usize], self.polygon[(i as usize + 1) % n]);
-            let along = ((point - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
-            (a + (b - a) * along - point).norm() < self.margin
+        self.bins.get(&self.cell(point)).is_some_and(|sides| {
+            sides.iter().any(|&i| {
+                let (a, b) = (self.polygon[i as usize], self.polygon[(i as usize + 1) % n]);
+                let along = ((point - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+                (a + (b - a) * along - point).norm() < self.margin
+            })
         })
     }
 }

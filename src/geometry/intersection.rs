@@ -64,6 +64,10 @@ fn sides_cross(points: &[Vector2], i: usize, j: usize) -> bool {
         orient2d(at(a), at(b), at(c))
     };
     let (i1, j1) = ((i + 1) % n, (j + 1) % n);
+    let above = |a: usize, b: usize, c: usize, d: usize| points[a].y.min(points[b].y) > points[c].y.max(points[d].y);
+    if above(i, i1, j, j1) || above(j, j1, i, i1) {
+        return false;
+    }
     if i1 == j || j1 == i {
         // Neighbours share a point; they overlap only when one runs back along the other.
         let (before, shared, after) = if i1 == j { (i, j, j1) } else { (j, i, i1) };

@@ -17,8 +17,10 @@ use std::fmt;
 /// Units to the metre where the file does not say: centimetres.
 const DEFAULT_UNITS_IN_METER: f64 = 100.0;
 
-/// More edges than any pattern has; a file with more is damaged, and checking it would take long.
-const MOST_EDGES: usize = 20_000;
+/// More edges than any pattern or panel has; a file with more is damaged, and comparing all edges of
+/// a panel with each other would take long.
+const MOST_EDGES: usize = 5_000;
+const MOST_EDGES_PER_PANEL: usize = 1_000;
 
 #[derive(Deserialize)]
 struct File {
@@ -166,7 +168,7 @@ impl Unit {
             );
             DEFAULT_UNITS_IN_METER
         });
-        if !(units_in_meter > 0.0) {
+        if units_in_meter <= 0.0 || units_in_meter.is_nan() {
             return Err(Error::new(
                 format!("`units_in_meter` is {units_in_meter}."),
                 "Give how many pattern units make a metre: 100 for centimetres.",
@@ -187,6 +189,12 @@ impl Unit {
 }
 
 fn read_panel(name: &str, raw: &RawPanel, unit: &Unit, warnings: &mut Vec<Warning>) -> Result<Panel, Error> {
+    if raw.edges.len() > MOST_EDGES_PER_PANEL {
+        return Err(Error::new(
+            format!("The panel has {} edges.", raw.edges.len()),
+            format!("A panel of more than {MOST_EDGES_PER_PANEL} edges is taken as damaged; draw it with curves."),
+        ));
+    }
     let corners: Vec<Vector2> = raw.vertices.iter().map(|&v| Vector2::from(v) * unit.metres).collect();
     let mut segments = Vec::with_capacity(raw.edges.len());
     for (k, edge) in raw.edges.iter().enumerate() {
@@ -305,7 +313,7 @@ fn read_arc(
         Param::Number(number) => Ok(*number != 0.0),
         Param::Point(_) => Err(Error::new("A flag of its circle is not a number.", "Give 0 or 1.")),
     };
-    if !(radius > 0.0) {
+    if radius <= 0.0 || radius.is_nan() {
         return Err(Error::new(
             format!("The radius of its circle is {radius}."),
             "Give a positive radius in pattern units.",

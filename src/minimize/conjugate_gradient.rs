@@ -169,3 +169,117 @@ fn cap(direction: &[Vector3], step: f64, largest: f64, moves: &mut [Vector3]) ->
     });
     chunks.reduce(|| false, |a, b| a || b)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A chain of springs of very different stiffness between neighbours and to places of their own.
+    struct Chain {
+        stiffness: Vec<f64>,
+        diagonal: Vec<f64>,
+        bend: f64,
+    }
+
+    impl Chain {
+        /// With `bend` the function is not quadratic, and not convex either.
+        fn new(count: usize, bend: f64) -> Self {
+            let stiffness: Vec<f64> = (0..count).map(|k| 10f64.powf(2.0 * (k as f64 * 1.3).sin())).collect();
+            Self { diagonal: stiffness.iter().map(|k| k + 2.0).collect(), stiffness, bend }
+        }
+
+        fn place(k: usize) -> Vector3 {
+            Vector3::new((k as f64).sin(), (k as f64 * 0.7).cos(), 0.1 * k as f64)
+        }
+    }
+
+    impl Problem for Chain {
+        fn evaluate(&mut self, points: &[Vector3], gradient: &mut [Vector3]) -> f64 {
+            let mut value = 0.0;
+            for (k, p) in points.iter().enumerate() {
+                let away = p - Self::place(k);
+                value += 0.5 * self.stiffness[k] * away.norm_squared() + self.bend * (3.0 * p.x).cos();
+                gradient[k] = away * self.stiffness[k] - Vector3::x() * (3.0 * self.bend * (3.0 * p.x).sin());
+            }
+            for k in 1..points.len() {
+                let span = points[k] - points[k - 1];
+                value += 0.5 * span.norm_squared();
+                gradient[k] += span;
+                gradient[k - 1] -= span;
+            }
+            value
+        }
+
+        fn curvature(&mut self, points: &[Vector3], direction: &[Vector3]) -> f64 {
+            let own = |k: usize| {
+                let bent = 9.0 * self.bend * (3.0 * points[k].x).cos() * direction[k].x.powi(2);
+                self.stiffness[k] * direction[k].norm_squared() - bent
+            };
+            let between: f64 = direction.windows(2).map(|w| (w[1] - w[0]).norm_squared()).sum();
+            (0..points.len()).map(own).sum::<f64>() + between
+        }
+
+        fn diagonal(&self) -> &[f64] {
+            &self.diagonal
+        }
+    }
+
+    fn settings(evaluations: usize, largest_move: f64) -> Settings {
+        Settings { evaluations, largest_move, restart_after: 100 }
+    }
+
+    #[test]
+    fn a_quadratic_is_minimized_as_far_as_rounding_of_its_value_allows() {
+        let mut problem = Chain::new(60, 0.0);
+        let mut points = vec![Vector3::zeros(); 60];
+        // A gradient of g promises a descent of g²/2k, which must be visible beside a value of a thousand.
+        let small = |i: &Iterate| i.gradient.iter().all(|g| g.norm() < 1e-5);
+        let (termination, value, evaluations) =
+            ConjugateGradient::new(60).run(&mut problem, &mut points, &settings(500, f64::INFINITY), small);
+        assert_eq!(termination, Termination::Converged);
+        assert!(evaluations < 120, "{evaluations} evaluations for a well preconditioned quadratic");
+        let mut gradient = vec![Vector3::zeros(); 60];
+        assert_eq!(problem.evaluate(&points, &mut gradient), value);
+        assert!(gradient.iter().all(|g| g.norm() < 1e-5));
+    }
+
+    #[test]
+    fn the_minimum_stalls_or_converges_but_is_not_left() {
+        let mut problem = Chain::new(10, 0.0);
+        let mut points = vec![Vector3::zeros(); 10];
+        let mut minimizer = ConjugateGradient::new(10);
+        let (_, value, _) = minimizer.run(&mut problem, &mut points, &settings(400, f64::INFINITY), |_| false);
+        let found = points.clone();
+        let (_, again, spent) = minimizer.run(&mut problem, &mut points, &settings(400, f64::INFINITY), |_| false);
+        assert!(again <= value && spent <= 400);
+        assert!(points.iter().zip(&found).all(|(p, q)| (p - q).norm() < 1e-6));
+    }
+
+    #[test]
+    fn the_budget_is_kept() {
+        for budget in [1, 2, 7] {
+            let mut points = vec![Vector3::zeros(); 20];
+            let run =
+                ConjugateGradient::new(20)
+                    .run(&mut Chain::new(20, 3.0), &mut points, &settings(budget, 0.01), |_| false);
+            assert_eq!((run.0, run.2), (Termination::Budget, budget));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn an_accepted_step_never_raises_the_value_nor_moves_too_far(bend in 0.0..40.0f64, largest in 0.001..0.5f64, start in -2.0..2.0f64) {
+            let mut points = vec![Vector3::repeat(start); 30];
+            let mut before: Option<(f64, Vec<Vector3>)> = None;
+            ConjugateGradient::new(30).run(&mut Chain::new(30, bend), &mut points, &settings(150, largest), |iterate| {
+                if let Some((value, points)) = &before {
+                    assert!(iterate.value <= *value, "{} after {value}", iterate.value);
+                    assert!(iterate.points.iter().zip(points).all(|(p, q)| (p - q).norm() < largest * (1.0 + 1e-12)));
+                }
+                before = Some((iterate.value, iterate.points.to_vec()));
+                false
+            });
+        }
+    }
+}

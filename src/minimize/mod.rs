@@ -1,7 +1,9 @@
 //! Minimizers of smooth functions of many points in space. Nothing here has heard of cloth.
 
+mod argmin_door;
 mod conjugate_gradient;
 
+pub use argmin_door::{ArgminDoor, flattened, unflattened};
 pub use conjugate_gradient::{ConjugateGradient, Settings};
 
 use crate::geometry::Vector3;

@@ -2,6 +2,7 @@
 
 use super::{Panel, Pattern, SegmentId};
 use crate::Error;
+use crate::geometry::Vector2;
 use std::collections::HashMap;
 
 /// A segment shorter than this is a slip of the drawing, m: a hundredth of a millimetre.
@@ -83,11 +84,16 @@ impl Panel {
             ));
         }
         for (k, segment) in self.segments.iter().enumerate() {
+            if !segment.curve.is_finite() {
+                let error = Error::new("It has a coordinate that is not a number.", "Export the panel again.");
+                return Err(error.within(format!("edge {k}")));
+            }
+        }
+        // Before any length: measuring a curve of a light-year to a nanometre takes for ever.
+        self.check_extent()?;
+        for (k, segment) in self.segments.iter().enumerate() {
             let at = |e: Error| e.within(format!("edge {k}"));
             let next = &self.segments[(k + 1) % self.segments.len()];
-            if !segment.curve.is_finite() {
-                return Err(at(Error::new("It has a coordinate that is not a number.", "Export the panel again.")));
-            }
             if (segment.curve.end - next.curve.start).norm() > CLOSING_TOLERANCE {
                 return Err(at(Error::new(
                     "The outline is open: the next edge does not start where this one ends.",
@@ -102,7 +108,6 @@ impl Panel {
                 )));
             }
         }
-        self.check_extent()?;
         if let Some((i, j)) = self.crossing_segments() {
             let place = if i == j {
                 format!("Edge {i} crosses itself.")
@@ -121,7 +126,6 @@ impl Panel {
     }
 
     fn check_extent(&self) -> Result<(), Error> {
-        let farthest = self.polygon(8).iter().map(|p| p.norm()).fold(0.0, f64::max);
         let shift = self.placement.translation.norm();
         if !(shift.is_finite() && self.placement.rotation.matrix().iter().all(|r| r.is_finite())) {
             return Err(Error::new(
@@ -129,13 +133,19 @@ impl Panel {
                 "Give the translation and rotation as plain numbers.",
             ));
         }
-        if farthest.max(shift) > LARGEST_EXTENT {
-            return Err(Error::new(
-                format!("The panel reaches {:.1} m from the origin.", farthest.max(shift)),
+        let near = |farthest: f64| {
+            if farthest <= LARGEST_EXTENT {
+                return Ok(());
+            }
+            Err(Error::new(
+                format!("The panel reaches {farthest:.1} m from the origin."),
                 "Check the unit of the pattern: lengths are divided by `units_in_meter`, 100 for centimetres.",
-            ));
-        }
-        Ok(())
+            ))
+        };
+        let farthest = |points: &mut dyn Iterator<Item = Vector2>| points.map(|p| p.norm()).fold(shift, f64::max);
+        near(farthest(&mut self.segments.iter().flat_map(|s| s.curve.control_points())))?;
+        // Arcs may bulge out.
+        near(farthest(&mut self.polygon(8).into_iter()))
     }
 }
 

@@ -3,7 +3,7 @@
 //! Bézier curves are measured by kurbo; circular arcs have closed formulas.
 
 use crate::geometry::{Vector2, cross};
-use kurbo::{CubicBez, ParamCurve, ParamCurveArclen, ParamCurveArea, Point, QuadBez};
+use kurbo::{CubicBez, ParamCurveArclen, ParamCurveArea, Point, QuadBez};
 
 /// To how many metres kurbo measures a length. A pattern is cut to a tenth of a millimetre; matching
 /// the two sides of a seam asks for far less than the finest resolution.
@@ -124,6 +124,16 @@ impl Curve {
         self.shape == Shape::Line
     }
 
+    /// The points whose hull a Bézier curve stays in: its ends and controls. An arc has but its ends.
+    pub fn control_points(&self) -> impl Iterator<Item = Vector2> + use<> {
+        let inner = match self.shape {
+            Shape::Line | Shape::Arc(_) => [None, None],
+            Shape::Quadratic(c) => [Some(c), None],
+            Shape::Cubic(c, d) => [Some(c), Some(d)],
+        };
+        [Some(self.start), Some(self.end)].into_iter().chain(inner).flatten()
+    }
+
     /// Are all numbers of the curve finite?
     pub fn is_finite(&self) -> bool {
         let inner = match self.shape {
@@ -140,7 +150,7 @@ fn finite(p: Vector2) -> bool {
     p.iter().all(|c| c.is_finite())
 }
 
-fn bezier_at_fraction(bezier: &(impl ParamCurve + ParamCurveArclen), fraction: f64) -> Vector2 {
+fn bezier_at_fraction(bezier: &impl ParamCurveArclen, fraction: f64) -> Vector2 {
     let target = fraction * bezier.arclen(LENGTH_ACCURACY);
     our_point(bezier.eval(bezier.inv_arclen(target, LENGTH_ACCURACY)))
 }

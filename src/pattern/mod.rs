@@ -7,6 +7,8 @@
 mod check;
 mod curve;
 mod fabric;
+#[cfg(test)]
+pub(crate) mod shapes;
 
 pub use curve::{Arc, Curve, Shape};
 pub use fabric::{Directional, Fabric, PRESETS, Preset, Quality};

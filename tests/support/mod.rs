@@ -1,15 +1,20 @@
 //! What several test programs need.
 #![allow(dead_code)]
 
+pub mod bodies;
+pub mod patterns;
+
 use std::path::PathBuf;
 
-/// The folder of real patterns and bodies beside the project, if it is there; says so if not.
+/// The folder of real patterns and bodies, if it is there; says so if not. It lies beside the
+/// project, or where the variable TOILE_TEST_DATA says.
 pub fn shared_data() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let folder = std::env::var_os("TOILE_TEST_DATA").map_or_else(beside, PathBuf::from);
     if folder.is_dir() {
         Some(folder)
     } else {
-        eprintln!("skipped: the folder ../shared/data with real patterns is not there");
+        eprintln!("skipped: there are no real patterns and bodies in {}", folder.display());
         None
     }
 }
