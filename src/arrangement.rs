@@ -276,7 +276,8 @@ impl<'a> Search<'a> {
                 let (to_a, to_b) = (at(a), at(b));
                 let (by_a, by_b) = (to_a - self.positions[a as usize], to_b - self.positions[b as usize]);
                 cost += self.blocked(to_a, to_b);
-                cost += OVERLAP_PRICE * (self.overlap(a, b, motions, to_b - to_a) + self.overlap(b, a, motions, to_a - to_b));
+                cost += OVERLAP_PRICE
+                    * (self.overlap(a, b, motions, to_b - to_a) + self.overlap(b, a, motions, to_a - to_b));
                 cost += RELATIVE_PRICE * (by_a - by_b).norm();
                 cost += SHIFT_PRICE * 0.5 * (by_a.norm() + by_b.norm());
             }

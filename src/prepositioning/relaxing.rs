@@ -35,7 +35,7 @@ pub fn relax(
     let levels = scene.garment.levels.len();
     let finest = level + 1 == levels;
     let budget = match (finest, scene.settings.until) {
-        (false, _) => scene.settings.coarse_evaluations,
+        (false, _) => coarse_evaluations(scene.settings.coarse_evaluations, cloth.resolution),
         (true, FinishLine::HandOff) => scene.settings.finest_evaluations,
         (true, FinishLine::Equilibrium) => scene.settings.equilibrium_evaluations,
     };
@@ -85,6 +85,15 @@ pub fn relax(
     observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
     summary
 }
+
+/// What is coarse is cheap and has the larger way to go: `most` evaluations from
+/// [`FULL_BUDGET`] upwards, and in proportion below.
+fn coarse_evaluations(most: usize, resolution: f64) -> usize {
+    (most as f64 * (resolution / FULL_BUDGET).min(1.0)).ceil() as usize
+}
+
+/// Resolution from which a coarse level has all the evaluations granted, m.
+const FULL_BUDGET: f64 = 0.02;
 
 fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, positions: &[Vector3]) -> Relaxation<'a> {
     let (settings, cloth) = (scene.settings, &scene.garment.levels[level]);
