@@ -16,7 +16,7 @@ mod outline;
 mod pattern;
 mod tee;
 
-use measures::Measures;
+pub use measures::Measures;
 use std::path::Path;
 use toile::body::mannequin::Measurements;
 

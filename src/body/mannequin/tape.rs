@@ -17,10 +17,12 @@ pub fn girth(mesh: &Mesh, origin: &Vector3, normal: &Vector3) -> f64 {
 /// The closed curve in which the plane cuts the part of the body that `origin` lies in, as its points in order, m. Empty
 /// when the plane misses the mesh.
 pub fn section(mesh: &Mesh, origin: &Vector3, normal: &Vector3) -> Vec<Vector3> {
-    let middle = |points: &[Vector3]| points.iter().map(|p| p).sum::<Vector3>() / points.len() as f64;
-    let squared_distance = |points: &Vec<Vector3>| (middle(points) - origin).norm_squared();
-    let nearest = |a: &Vec<_>, b: &Vec<_>| squared_distance(a).total_cmp(&squared_distance(b));
-    loops(mesh, origin, normal).into_iter().min_by(nearest).unwrap_or_default()
+    let squared_distance = |points: &[Vector3]| {
+        let middle = points.iter().sum::<Vector3>() / points.len() as f64;
+        (middle - origin).norm_squared()
+    };
+    let loops = loops(mesh, origin, normal).into_iter();
+    loops.min_by(|a, b| squared_distance(a).total_cmp(&squared_distance(b))).unwrap_or_default()
 }
 
 /// Two unit vectors that span the plane.
