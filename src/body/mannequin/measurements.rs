@@ -12,9 +12,8 @@ const LEG_SPREADS: RangeInclusive<f64> = 0.0..=40.0;
 
 /// Body dimensions of the figure to build. Metres unless the name says otherwise.
 ///
-/// The default is a woman of 1.72 m. Bust, waist and hip lie between sizes 38 and 40 of published European size tables;
-/// the other values are round figures of usual adult proportions, not taken from a standard. They describe nobody in
-/// particular.
+/// The default is a woman of 1.72 m, between sizes 38 and 40; `data/README.md` tells which values have a source and which
+/// are our own round figures. They describe nobody in particular.
 ///
 /// Girths are those of a taut tape: the convex hull of the section. Torso, neck and head are measured level; thigh,
 /// knee, calf and ankle square to the axis of the leg; upper arm, forearm and wrist square to the axis of the arm.
