@@ -1,6 +1,7 @@
 //! The body: the closed surface to dress, and how far a point is from it.
 
 mod distance_field;
+pub mod mannequin;
 mod validate;
 mod winding;
 
