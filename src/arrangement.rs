@@ -7,6 +7,7 @@
 //! body as they can be and no part of it starts inside (a pattern search; the automatic placement of
 //! Le Thanh and Gagalowicz 2005 has the same aim).
 
+use crate::Error;
 use crate::body::{Body, DistanceField};
 use crate::garment::{Level, PanelRange};
 use crate::geometry::{BoxTree, EdgeTable, UnionFind, Vector3, triangle_distance};
@@ -75,6 +76,40 @@ pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
     }
     positions
 }
+
+/// Was the pattern placed around this body? Panels may start a metre in front of it; their middle,
+/// however, is where the body is.
+pub fn check_placement(pattern: &Pattern, body: &Body) -> Result<(), Error> {
+    let (low, high) = body.bounds();
+    let (mut middle, mut area) = (Vector3::zeros(), 0.0);
+    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for panel in &pattern.panels {
+        let outline = panel.polygon(OUTLINE_POINTS);
+        let points: Vec<Vector3> = outline.iter().map(|&p| panel.placement.place(p)).collect();
+        let weight = panel.signed_area().abs();
+        middle += points.iter().sum::<Vector3>() * (weight / points.len() as f64);
+        area += weight;
+        lowest = points.iter().map(|p| p.y).fold(lowest, f64::min);
+        highest = points.iter().map(|p| p.y).fold(highest, f64::max);
+    }
+    let aside = middle / area - (low + high) * 0.5;
+    let aside = aside.x.hypot(aside.z);
+    let apart = (lowest - high.y).max(low.y - highest);
+    let (far, way) = if apart > 0.0 { (apart, "above or below") } else { (aside, "beside") };
+    if apart > 0.0 || aside > FARTHEST_ASIDE {
+        return Err(Error::new(
+            format!("The pattern is placed {far:.2} m {way} the body."),
+            "Use the body that it was placed for, or place the panels around this one: metres, y up, the body's middle at x = 0, z = 0.",
+        ));
+    }
+    Ok(())
+}
+
+/// Points of each segment by which a panel is placed.
+const OUTLINE_POINTS: usize = 4;
+/// The farthest that the middle of all panels may be beside that of the body, m: more than a coat's
+/// back is behind it.
+const FARTHEST_ASIDE: f64 = 0.5;
 
 /// Places the panels and moves them where the body is in the way of their seams.
 pub fn arrange(pattern: &Pattern, open: &Level, body: &Body) -> Arrangement {

@@ -4,6 +4,7 @@
 pub mod arrangement;
 pub mod assess;
 pub mod body;
+pub mod cli;
 pub mod contact;
 pub mod energy;
 pub mod error;

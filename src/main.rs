@@ -1,1 +1,7 @@
-fn main() {}
+//! The program `toile`; everything it does is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    toile::cli::run()
+}

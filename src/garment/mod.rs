@@ -71,7 +71,8 @@ impl Garment {
     }
 }
 
-fn check_resolutions(resolutions: &[f64]) -> Result<(), Error> {
+/// Can a garment be discretized at these resolutions, m?
+pub fn check_resolutions(resolutions: &[f64]) -> Result<(), Error> {
     let range = FINEST_RESOLUTION..=COARSEST_RESOLUTION;
     if resolutions.is_empty() {
         return Err(Error::new("No resolution is given.", "Give at least one, such as \"10 mm\"."));

@@ -13,7 +13,7 @@ mod sewing;
 pub use problem::{Relaxation, Residual};
 
 use crate::Error;
-use crate::arrangement::arrange;
+use crate::arrangement::{arrange, check_placement};
 use crate::assess::{Assessment, assess};
 use crate::body::{Body, DistanceField};
 use crate::contact::{SelfContact, SelfContactSettings};
@@ -235,6 +235,7 @@ pub fn preposition(
     observer: &mut dyn Observer,
 ) -> Result<Outcome, Error> {
     settings.check()?;
+    check_placement(pattern, body)?;
     let garment = Garment::build(pattern, &settings.resolutions)?;
     let field = DistanceField::new(body, FIELD_CELL, settings.clearance + FIELD_BAND);
     let arrangement = arrange(pattern, &garment.open, body);

@@ -1,0 +1,190 @@
+//! What can be asked for on the command line.
+
+use super::Failure;
+use crate::io::{length, settings_toml};
+use crate::prepositioning::{FinishLine, Settings};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// From a sewing pattern and a body to the garment already sewn and resting on the body.
+#[derive(Parser, Debug)]
+#[command(name = "toile", version, max_term_width = 100, after_help = EXIT_STATUS)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_STATUS: &str = "\
+Exit status: 0 fine, 1 our fault, 2 usage, 3 invalid input, 4 solved but a quality gate failed, \
+5 evaluations used up before the equilibrium, 130 interrupted. With 4 and 5 all results are written.";
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Fit an embedded pattern to the embedded body, in seconds, pictures and all
+    Demo(Demo),
+    /// Sew a pattern around a body and let it come to rest
+    Fit(Fit),
+    /// Tell everything that is wrong or doubtful with the input, before any solving
+    Check(Check),
+}
+
+#[derive(Args, Debug)]
+pub struct Demo {
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "toile-demo")]
+    pub out: PathBuf,
+    /// What to fit
+    #[arg(long, value_enum, default_value_t = Garment::Tee)]
+    pub garment: Garment,
+    #[command(flatten)]
+    pub solving: Solving,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug)]
+pub enum Garment {
+    Tee,
+    Dress,
+}
+
+#[derive(Args, Debug)]
+pub struct Fit {
+    /// Sewing pattern, a GarmentCode JSON file
+    pub pattern: PathBuf,
+    /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
+    #[arg(long, value_name = "OBJ")]
+    pub body: PathBuf,
+    /// Folder for the results, made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub solving: Solving,
+}
+
+#[derive(Args, Debug)]
+pub struct Check {
+    /// Sewing pattern, a GarmentCode JSON file
+    pub pattern: PathBuf,
+    /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
+    #[arg(long, value_name = "OBJ")]
+    pub body: Option<PathBuf>,
+    /// Resolution at which the pattern will be fitted [default: "10 mm"]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub resolution: Option<String>,
+}
+
+/// How to solve; what is not given is taken from the settings file, or else has its default.
+#[derive(Args, Debug)]
+pub struct Solving {
+    /// Distance between particles on the finest level, such as "5 mm" [default: "10 mm"]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "levels")]
+    pub resolution: Option<String>,
+    /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
+    #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
+    pub levels: Option<String>,
+    /// Name of a fabric, or path of a fabric file (TOML) [default: neutral]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub fabric: Option<String>,
+    /// Distance to be kept from the body [default: "0.7 mm"]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub clearance: Option<String>,
+    /// Threads to use; the result is the same for any number [default: one per processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// When to stop: handoff or equilibrium [default: handoff]
+    #[arg(long, value_name = "LINE")]
+    pub until: Option<String>,
+    /// Settings that differ from the defaults (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+    /// What to tell on the way, on the standard error stream
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// A bar on a terminal, otherwise a line for each level
+    Auto,
+    /// A JSON object on each line
+    Json,
+    /// Nothing
+    None,
+}
+
+/// Resolution where none is asked for, m.
+const DEFAULT_RESOLUTION: f64 = 0.01;
+/// More threads than any machine of today has processors.
+const MOST_THREADS: usize = 1024;
+
+impl Solving {
+    /// The settings asked for: defaults, then the settings file, then the options. `file` is the
+    /// settings file's text.
+    pub fn settings(&self, file: Option<&str>) -> Result<Settings, Failure> {
+        let usage = |option: &'static str| move |e: crate::Error| Failure::Usage(e.within(option));
+        let mut settings = Settings::for_resolution(DEFAULT_RESOLUTION);
+        let named = || self.settings.as_deref().map_or_else(String::new, |path| path.display().to_string());
+        if let Some(text) = file {
+            // A first reading tells the levels, on which the defaults of all else depend.
+            settings_toml::apply(text, &mut settings).map_err(|e| e.within(named()))?;
+        }
+        if let Some(resolution) = &self.resolution {
+            let resolution = length::parse(resolution).map_err(usage("--resolution"))?;
+            settings.resolutions = Settings::for_resolution(resolution).resolutions;
+        }
+        if let Some(levels) = &self.levels {
+            settings.resolutions = length::parse_list(levels).map_err(usage("--levels"))?;
+        }
+        let resolutions = settings.resolutions.clone();
+        crate::garment::check_resolutions(&resolutions).map_err(usage(if self.levels.is_some() {
+            "--levels"
+        } else {
+            "--resolution"
+        }))?;
+        settings = Settings::for_resolution(*resolutions.last().expect("checked: there is a level"));
+        if let Some(text) = file {
+            settings_toml::apply(text, &mut settings).map_err(|e| e.within(named()))?;
+        }
+        settings.resolutions = resolutions;
+        if let Some(clearance) = &self.clearance {
+            settings.clearance = length::parse_or_zero(clearance).map_err(usage("--clearance"))?;
+        }
+        if let Some(until) = &self.until {
+            settings.until = settings_toml::finish_line(until).map_err(usage("--until"))?;
+        }
+        settings.check().map_err(Failure::Usage)?;
+        Ok(settings)
+    }
+
+    /// Threads to work with; `None` for one per processor.
+    pub fn threads(&self) -> Result<Option<usize>, Failure> {
+        match self.threads {
+            Some(n) if n == 0 || n > MOST_THREADS => Err(Failure::Usage(
+                crate::Error::new(
+                    format!("{n} threads cannot be used."),
+                    format!("Give a number from 1 to {MOST_THREADS}, or leave the option out."),
+                )
+                .within("--threads"),
+            )),
+            threads => Ok(threads),
+        }
+    }
+}
+
+impl Check {
+    /// The resolution at which the pattern is tried, m.
+    pub fn settings(&self) -> Result<Settings, Failure> {
+        let resolution = match &self.resolution {
+            Some(text) => length::parse(text).map_err(|e| Failure::Usage(e.within("--resolution")))?,
+            None => DEFAULT_RESOLUTION,
+        };
+        let settings = Settings::for_resolution(resolution);
+        crate::garment::check_resolutions(&settings.resolutions)
+            .map_err(|e| Failure::Usage(e.within("--resolution")))?;
+        Ok(settings)
+    }
+}
+
+/// Is the run to go on to the equilibrium?
+pub fn wants_equilibrium(settings: &Settings) -> bool {
+    settings.until == FinishLine::Equilibrium
+}

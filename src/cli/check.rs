@@ -1,0 +1,123 @@
+//! `toile check`: what is wrong or doubtful with the input, before any solving.
+//!
+//! A first form: what the readers and the discretization find, seams of unequal lengths, and how the
+//! panels stand to the body. Findings go to the standard output stream.
+
+use super::arguments::Check;
+use super::inputs::{BodyInput, PatternInput};
+use super::{Failure, Status};
+use crate::Warning;
+use crate::arrangement::{arrange, check_placement, placed};
+use crate::garment::Garment;
+use crate::geometry::Vector3;
+use crate::io::length::describe;
+use crate::pattern::Pattern;
+use std::fmt::Write;
+
+/// Sides of a seam that differ by more than this share are mentioned: the one is gathered or eased.
+const UNEQUAL: f64 = 0.01;
+/// Panels that have to be moved farther than this to clear the body are mentioned, m.
+const FAR_MOVE: f64 = 0.03;
+
+pub fn run(asked: &Check) -> Result<Status, Failure> {
+    let settings = asked.settings()?;
+    let input = PatternInput::open(&asked.pattern)?;
+    let pattern = &input.pattern;
+    let mut text = String::new();
+    describe_pattern(&mut text, pattern);
+    let in_file = |e: crate::Error| e.within(asked.pattern.display());
+    let garment = Garment::build(pattern, &settings.resolutions).map_err(in_file)?;
+    for level in &garment.levels {
+        let _ = writeln!(
+            text,
+            "  at {}: {} particles, {} triangles",
+            describe(level.resolution),
+            level.particle_count,
+            level.triangles.len()
+        );
+    }
+    let mut doubts: Vec<String> = input.warnings.iter().map(told).collect();
+    doubts.extend(unequal_seams(pattern));
+    if let Some(path) = &asked.body {
+        let body = BodyInput::open(path)?;
+        doubts.extend(body.warnings.iter().map(told));
+        let (low, high) = body.body.bounds();
+        let _ = writeln!(
+            text,
+            "body {}: {} vertices, {} triangles, {:.2} m tall",
+            body.name,
+            body.body.positions().len(),
+            body.body.triangles().len(),
+            high.y - low.y
+        );
+        check_placement(pattern, &body.body).map_err(in_file)?;
+        doubts.extend(standing(pattern, &garment, &body));
+    }
+    let verdict = match doubts.len() {
+        0 => "nothing wrong, nothing doubtful".to_owned(),
+        1 => "nothing wrong, 1 thing to know:".to_owned(),
+        n => format!("nothing wrong, {n} things to know:"),
+    };
+    println!("{text}{verdict}");
+    doubts.iter().for_each(|doubt| println!("  - {doubt}"));
+    Ok(Status::Fine)
+}
+
+fn told(warning: &Warning) -> String {
+    format!("{warning} {}", warning.0.remedy())
+}
+
+fn describe_pattern(text: &mut String, pattern: &Pattern) {
+    let area: f64 = pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
+    let seam: f64 = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).sum();
+    let _ = writeln!(
+        text,
+        "pattern {}: {} panels of {area:.2} m² in all, {} seams of {seam:.2} m",
+        pattern.name,
+        pattern.panels.len(),
+        pattern.seams.len(),
+    );
+}
+
+fn unequal_seams(pattern: &Pattern) -> impl Iterator<Item = String> + '_ {
+    pattern.seams.iter().filter_map(|seam| {
+        let [a, b] = pattern.seam_lengths(seam);
+        let (longer, shorter) = (a.max(b), a.min(b));
+        (longer > shorter * (1.0 + UNEQUAL)).then(|| {
+            format!(
+                "{}: {:.1} cm is sewn to {:.1} cm; the longer side is gathered by {:.0} %.",
+                pattern.seam_name(seam),
+                longer * 100.0,
+                shorter * 100.0,
+                (longer / shorter - 1.0) * 100.0
+            )
+        })
+    })
+}
+
+/// How the panels stand to the body, and how far the arrangement will move them.
+fn standing(pattern: &Pattern, garment: &Garment, body: &BodyInput) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let positions = placed(pattern, &garment.open);
+    for (panel, range) in pattern.panels.iter().zip(&garment.open.panels) {
+        let inside = |p: &&Vector3| body.body.contains(**p);
+        let count = positions[range.points.clone()].iter().filter(inside).count();
+        if count > 0 {
+            let of = range.points.len();
+            doubts.push(format!("panel \"{}\": {count} of {of} particles start inside the body.", panel.name));
+        }
+    }
+    let shifts = arrange(pattern, &garment.open, &body.body).shifts;
+    for (panel, shift) in pattern.panels.iter().zip(shifts) {
+        if shift.norm() > FAR_MOVE {
+            doubts.push(format!(
+                "panel \"{}\" will be moved by ({:.0}, {:.0}, {:.0}) mm first, so that its seams clear the body.",
+                panel.name,
+                shift.x * 1e3,
+                shift.y * 1e3,
+                shift.z * 1e3
+            ));
+        }
+    }
+    doubts
+}

@@ -1,0 +1,19 @@
+//! `toile demo`: the embedded pattern on the embedded body.
+
+use super::arguments::{Demo, Garment};
+use super::inputs::{BodyInput, PatternInput, settings_text};
+use super::{Failure, Status, fit};
+use crate::io::embedded;
+use std::time::Instant;
+
+pub fn run(asked: &Demo) -> Result<Status, Failure> {
+    let started = Instant::now();
+    let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
+    let (name, text) = match asked.garment {
+        Garment::Tee => ("tee", embedded::TEE),
+        Garment::Dress => ("dress", embedded::DRESS),
+    };
+    let pattern = PatternInput::parse(text.to_owned(), name)?;
+    let body = BodyInput::parse(embedded::MANNEQUIN_OBJ, "mannequin")?;
+    fit::fit(&pattern, &body, &settings, &asked.solving, &asked.out, started)
+}
