@@ -9,8 +9,12 @@ use crate::minimize::{ConjugateGradient, Settings as Steps};
 
 /// Rounds of holding, looking and widening.
 const MOST_ROUNDS: usize = 12;
-/// How much farther the particles of a pierced triangle keep after each round, m.
-const WIDENING: f64 = 4e-4;
+/// How much farther the particles of a pierced triangle keep after each round, m, at least.
+const LEAST_WIDENING: f64 = 4e-4;
+/// The same for large triangles, as a share of how far an edge of theirs cuts into a limb.
+const WIDENING_SHARE: f64 = 0.3;
+/// Radius of such a limb, m.
+const LIMB_RADIUS: f64 = 0.06;
 /// Evaluations that smooth what a round has moved.
 const EVALUATIONS_PER_ROUND: usize = 15;
 
@@ -19,6 +23,7 @@ pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positio
     let cloth = &scene.garment.levels[level];
     let mut minimizer = ConjugateGradient::new(positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
+    let widening = LEAST_WIDENING.max(WIDENING_SHARE * cloth.resolution.powi(2) / (8.0 * LIMB_RADIUS));
     for _ in 0..MOST_ROUNDS {
         hold(problem, positions);
         let pierced = body_intersections(cloth, positions, scene.body);
@@ -28,7 +33,7 @@ pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positio
         let mut particles: Vec<u32> = pierced.iter().flat_map(|&[t, _]| cloth.particles(t as usize)).collect();
         particles.sort_unstable();
         particles.dedup();
-        problem.body.widen(particles, WIDENING);
+        problem.body.widen(particles, widening);
         hold(problem, positions);
         minimizer.run(problem, positions, &steps, |_| false);
     }
