@@ -1,13 +1,14 @@
-//! Body meshes from OBJ.
+//! Body meshes from OBJ, read with [`tobj`].
 //!
-//! Only `v` and `f` lines matter to a body. They are read here rather than by a general loader:
-//! such a loader cuts a mesh into parts wherever its group or its appearance changes, and gives each
-//! part vertices of its own, so that a closed body comes out full of cracks; and it cannot tell on
-//! which line the file is wrong.
+//! What tobj cannot do for a body is done on the way to it, line by line: numbers and indices are
+//! checked, so that a message can name the line that is wrong; and only vertices and the corners of
+//! faces are handed on, because tobj cuts a mesh into parts wherever its group or its material
+//! changes, each with vertices of its own, and a closed body would come out full of cracks.
 
 use crate::body::Body;
 use crate::geometry::Vector3;
 use crate::{Error, Warning};
+use std::fmt::Write;
 
 /// More vertices than any body scan worth dressing.
 const MOST_VERTICES: usize = 5_000_000;
@@ -19,63 +20,92 @@ pub fn parse(bytes: &[u8]) -> Result<(Body, Vec<Warning>), Error> {
     if bytes.iter().all(|b| b.is_ascii_whitespace()) {
         return Err(Error::new("The body file is empty.", "Give an OBJ file with a closed triangle mesh of the body."));
     }
-    let mut mesh = Mesh::default();
+    let mut lines = CheckedLines::default();
     // Names may be in any encoding; numbers are ASCII.
     for (line, number) in bytes.split(|&b| b == b'\n').zip(1u32..) {
-        mesh.read(&String::from_utf8_lossy(line)).map_err(|e| e.within(format!("line {number}")))?;
-        mesh.lines.resize(mesh.triangles.len(), number);
+        lines.read(&String::from_utf8_lossy(line), number).map_err(|e| e.within(format!("line {number}")))?;
     }
-    mesh.check_indices()?;
-    mesh.drop_unused();
-    Body::new(mesh.positions, mesh.triangles)
+    lines.check_indices()?;
+    let (positions, triangles) = mesh_of(&lines.text)?;
+    Body::new(positions, triangles)
 }
 
+/// Positions, m, and triangles of checked lines.
+fn mesh_of(text: &str) -> Result<(Vec<Vector3>, Vec<[u32; 3]>), Error> {
+    let options =
+        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let no_materials = |_: &std::path::Path| Ok(Default::default());
+    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials).map_err(|e| {
+        Error::new(format!("The body file cannot be read ({e})."), "Export the body again as a triangle mesh in OBJ.")
+    })?;
+    let Some(mesh) = models.into_iter().next().map(|model| model.mesh) else { return Ok(Default::default()) };
+    let positions = mesh.positions.as_chunks().0.iter().copied().map(Vector3::from).collect();
+    // A corner that is listed twice makes a triangle without area, which is left out.
+    let distinct = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    Ok((positions, mesh.indices.as_chunks().0.iter().copied().filter(distinct).collect()))
+}
+
+/// The vertices and faces of a file, checked.
 #[derive(Default)]
-struct Mesh {
-    positions: Vec<Vector3>,
-    triangles: Vec<[u32; 3]>,
-    /// The line of each triangle, counted from 1.
-    lines: Vec<u32>,
+struct CheckedLines {
+    /// `v` and `f` lines alone, corners without their texture and normal.
+    text: String,
+    vertices: usize,
+    triangles: usize,
+    /// The largest vertex that a face names, counted from 1, and the line of that face.
+    largest: (u64, u32),
 }
 
-impl Mesh {
-    fn read(&mut self, line: &str) -> Result<(), Error> {
+impl CheckedLines {
+    fn read(&mut self, line: &str, number: u32) -> Result<(), Error> {
         let mut words = line.split_ascii_whitespace();
         match words.next() {
             Some("v") => self.read_vertex(words),
-            Some("f") => self.read_face(words),
+            Some("f") => self.read_face(words, number),
             _ => Ok(()),
         }
     }
 
     fn read_vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<(), Error> {
-        let mut position = Vector3::zeros();
-        for coordinate in position.iter_mut() {
+        self.text.push('v');
+        for _ in 0..3 {
             let word = words.next().unwrap_or("nothing");
-            *coordinate = word.parse().ok().filter(|c: &f64| c.is_finite()).ok_or_else(|| {
-                Error::new(
+            if !word.parse().is_ok_and(|c: f64| c.is_finite()) {
+                return Err(Error::new(
                     format!("A vertex has {word} where a coordinate should be."),
                     "Write vertices as \"v x y z\" with plain numbers; export the body again.",
-                )
-            })?;
+                ));
+            }
+            self.text.push(' ');
+            self.text.push_str(word);
         }
-        if self.positions.len() == MOST_VERTICES {
+        self.text.push('\n');
+        self.vertices += 1;
+        if self.vertices > MOST_VERTICES {
             return Err(Error::new(
                 format!("The body has more than {MOST_VERTICES} vertices."),
                 "Reduce it in the program that made it; 10,000 to 50,000 vertices are plenty.",
             ));
         }
-        self.positions.push(position);
         Ok(())
     }
 
-    fn read_face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<(), Error> {
-        let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<u32>, Error>>()?;
-        let [first, rest @ ..] = corners.as_slice() else { return Ok(()) };
-        // A corner that is listed twice makes a triangle without area, which is left out.
-        let fan = rest.windows(2).map(|w| [*first, w[0], w[1]]);
-        self.triangles.extend(fan.filter(|&[a, b, c]| a != b && b != c && c != a));
-        if self.triangles.len() > MOST_TRIANGLES {
+    fn read_face<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: u32) -> Result<(), Error> {
+        let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<u64>, Error>>()?;
+        if corners.len() < 3 {
+            return Ok(());
+        }
+        self.text.push('f');
+        for corner in &corners {
+            // Writing to a string cannot fail.
+            let _ = write!(self.text, " {corner}");
+            if *corner > self.largest.0 {
+                self.largest = (*corner, line);
+            }
+        }
+        self.text.push('\n');
+        self.triangles += corners.len() - 2;
+        if self.triangles > MOST_TRIANGLES {
             return Err(Error::new(
                 format!("The body has more than {MOST_TRIANGLES} triangles."),
                 "Reduce it in the program that made it; 20,000 to 100,000 triangles are plenty.",
@@ -84,15 +114,17 @@ impl Mesh {
         Ok(())
     }
 
-    /// The vertex of a corner such as `7`, `7/2/5` or `-1`, which is the last one so far.
-    fn corner(&self, word: &str) -> Result<u32, Error> {
+    /// The vertex, counted from 1, of a corner such as `7`, `7/2/5` or `-1`, which is the last one so far.
+    fn corner(&self, word: &str) -> Result<u64, Error> {
         let index = word.split('/').next().and_then(|w| w.parse::<i64>().ok());
-        let from_zero = match index {
-            Some(index) if index > 0 => Some(index - 1),
-            Some(index) if index < 0 => index.checked_add(self.positions.len() as i64),
+        let from_one = match index {
+            Some(index) if index > 0 => u64::try_from(index).ok(),
+            Some(index) if index < 0 => {
+                index.checked_add(self.vertices as i64 + 1).and_then(|i| u64::try_from(i).ok()).filter(|&i| i > 0)
+            }
             _ => None,
         };
-        from_zero.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
+        from_one.ok_or_else(|| {
             Error::new(
                 format!("A face has the corner \"{word}\", which names no vertex."),
                 "Vertices are counted from 1, or from -1 backwards; export the body again.",
@@ -102,31 +134,15 @@ impl Mesh {
 
     /// Faces may stand before their vertices, so that this can be known only at the end.
     fn check_indices(&self) -> Result<(), Error> {
-        let count = self.positions.len();
-        for (triangle, line) in self.triangles.iter().zip(&self.lines) {
-            if let Some(missing) = triangle.iter().find(|&&v| v as usize >= count) {
-                return Err(Error::new(
-                    format!("A face names vertex {}, which does not exist.", u64::from(*missing) + 1),
-                    format!("The file has {count} vertices, counted from 1; export the body again."),
-                )
-                .within(format!("line {line}")));
-            }
+        let (largest, line) = self.largest;
+        if largest <= self.vertices as u64 {
+            return Ok(());
         }
-        Ok(())
-    }
-
-    /// Vertices of no triangle (markers of joints, left-overs) are no part of the body.
-    fn drop_unused(&mut self) {
-        let mut number = vec![u32::MAX; self.positions.len()];
-        for &v in self.triangles.iter().flatten() {
-            number[v as usize] = 0;
-        }
-        for (number, kept) in number.iter_mut().filter(|n| **n == 0).zip(0..) {
-            *number = kept;
-        }
-        let mut numbers = number.iter();
-        self.positions.retain(|_| numbers.next() != Some(&u32::MAX));
-        self.triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
+        let error = Error::new(
+            format!("A face names vertex {largest}, which does not exist."),
+            format!("The file has {} vertices, counted from 1; export the body again.", self.vertices),
+        );
+        Err(error.within(format!("line {line}")))
     }
 }
 

@@ -109,7 +109,8 @@ fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, posit
     Relaxation::new(energy, contact, settings.self_contact(cloth, classes, scene.fabric, positions))
 }
 
-/// Keeps a waist line from sinking below where the pattern places it.
+/// Keeps the waist line of a skirt or trousers from sinking below where the pattern places it, as
+/// buttons would. What reaches higher hangs from the shoulders.
 fn waist_hold(
     scene: &Scene,
     level: usize,
@@ -118,10 +119,17 @@ fn waist_hold(
 ) -> Option<crate::energy::Hold> {
     let waist = SegmentLabel::LowerInterface;
     let placed = hold(scene.pattern, &scene.garment.open, waist, &arrangement.positions)?.height;
+    let top = arrangement.positions.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+    if top > placed + HANGS_FROM_WAIST {
+        return None;
+    }
     let mut hold = hold(scene.pattern, &scene.garment.levels[level], waist, positions)?;
     hold.height = placed - WAIST_SLACK;
     Some(hold)
 }
+
+/// A garment whose top is at most this far above its waist line hangs from the waist, m: a waistband.
+const HANGS_FROM_WAIST: f64 = 0.2;
 
 /// The minimizer's memory and what it has done on a level.
 struct Run {
