@@ -77,32 +77,51 @@ impl DistanceField {
     /// Distance and gradient, or `None` farther than the band outside.
     #[inline]
     pub fn sample(&self, point: Vector3) -> Option<Sample> {
+        self.sample_below(point, f64::INFINITY)
+    }
+
+    /// The same where the distance is below `most`, m; for the others the gradient is not worth computing.
+    #[inline]
+    pub fn sample_below(&self, point: Vector3, most: f64) -> Option<Sample> {
         let at = (point - self.origin) / self.cell;
-        // The nearest node; it and its neighbours carry the spline.
-        let node = at.map(|c| (c + 0.5).floor());
+        // The nearest node; it and its neighbours carry the spline. What is negative or no number
+        // becomes node 0, which has no neighbours.
+        let node = at.map(|c| (c + 0.5) as usize);
         let [nx, ny, nz] = self.extent;
-        let within = |c: f64, n: usize| c >= 1.0 && c < (n - 1) as f64;
+        let within = |c: usize, n: usize| c >= 1 && c < n - 1;
         if !(within(node.x, nx) && within(node.y, ny) && within(node.z, nz)) {
             return None;
         }
-        let base = (node.z as usize * ny + node.y as usize) * nx + node.x as usize;
+        let base = (node.z * ny + node.y) * nx + node.x;
         if f64::from(self.coefficients[base]) > self.band + self.cell {
             return None;
         }
-        let offset = at - node;
+        let offset = at - node.map(|c| c as f64);
         let [wx, wy, wz] = [offset.x, offset.y, offset.z].map(spline_weights);
-        let [dx, dy, dz] = [offset.x, offset.y, offset.z].map(spline_slopes);
-        let mut distance = 0.0;
-        let mut slope = Vector3::zeros();
         let corner = base - (ny + 1) * nx - 1;
+        let row = |j: usize, k: usize| {
+            let start = corner + (k * ny + j) * nx;
+            let row = &self.coefficients[start..start + 3];
+            [f64::from(row[0]), f64::from(row[1]), f64::from(row[2])]
+        };
+        let mut distance = 0.0;
+        let mut along = [[0.0; 3]; 3];
         for k in 0..3 {
             for j in 0..3 {
-                let start = corner + (k * ny + j) * nx;
-                let row = &self.coefficients[start..start + 3];
-                let row = [f64::from(row[0]), f64::from(row[1]), f64::from(row[2])];
-                let along = row[0] * wx[0] + row[1] * wx[1] + row[2] * wx[2];
+                let row = row(j, k);
+                along[k][j] = row[0] * wx[0] + row[1] * wx[1] + row[2] * wx[2];
+                distance += along[k][j] * wy[j] * wz[k];
+            }
+        }
+        if distance >= most {
+            return None;
+        }
+        let [dx, dy, dz] = [offset.x, offset.y, offset.z].map(spline_slopes);
+        let mut slope = Vector3::zeros();
+        for k in 0..3 {
+            for j in 0..3 {
+                let (row, along) = (row(j, k), along[k][j]);
                 let across = row[0] * dx[0] + row[1] * dx[1] + row[2] * dx[2];
-                distance += along * wy[j] * wz[k];
                 slope += Vector3::new(across * wy[j] * wz[k], along * dy[j] * wz[k], along * wy[j] * dz[k]);
             }
         }

@@ -263,7 +263,7 @@ fn tangential(v: Vector3, normal: Vector3) -> Vector3 {
 
 #[inline]
 fn touch(field: &DistanceField, position: Vector3, clearance: f64) -> Touch {
-    match field.sample(position) {
+    match field.sample_below(position, clearance) {
         Some(s) if s.distance < clearance => Touch { normal: s.gradient, depth: clearance - s.distance },
         _ => Touch::default(),
     }

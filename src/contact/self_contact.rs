@@ -40,6 +40,11 @@ const MOST_ROUNDS: usize = 16;
 /// Share of its shortest edge to which a particle's clearance is cut: neighbours on flat cloth must not repel.
 const EDGE_SHARE: f64 = 0.4;
 
+/// Up to so many pairs are looked at by one thread: waking another takes as long.
+const MOST_PAIRS_ALONE: usize = 2048;
+/// What a bound on distances is widened by for the rounding of its terms, m.
+const ROUNDING: f64 = 1e-12;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Pair {
     VertexFace { vertex: u32, face: u32 },
@@ -52,6 +57,15 @@ struct Span {
     particles: [u32; 4],
     weights: [f64; 4],
     vector: Vector3,
+}
+
+/// A pair nearer than its clearance.
+struct ActivePair {
+    span: Span,
+    /// m.
+    distance: f64,
+    /// m.
+    clearance: f64,
 }
 
 /// Contact of one level with itself.
@@ -216,23 +230,36 @@ impl SelfContact {
         particles.iter().map(|&p| self.clearance[p as usize]).fold(f64::INFINITY, f64::min)
     }
 
-    fn active(&self, positions: &[Vector3]) -> Vec<(Span, f64, f64)> {
+    /// Pairs nearer than their clearance, with their distance and clearance, m.
+    fn active(&self, positions: &[Vector3]) -> Vec<ActivePair> {
+        // Most pairs were found so far apart that no particle has moved enough for them to touch.
+        let within = self.settings.clearance + 2.0 * self.drift(positions) + ROUNDING;
         self.pairs
             .par_iter()
-            .with_min_len(512)
-            .filter_map(|&pair| {
+            .zip(&self.found_distance)
+            .with_min_len(MOST_PAIRS_ALONE)
+            .filter_map(|(&pair, &found)| {
+                if found > within {
+                    return None;
+                }
                 let span = self.span(pair, positions);
                 let clearance = self.clearance_of(span.particles);
                 let distance = span.vector.norm();
-                (distance < clearance && distance > 0.0).then_some((span, distance, clearance))
+                (distance < clearance && distance > 0.0).then_some(ActivePair { span, distance, clearance })
             })
             .collect()
+    }
+
+    /// The farthest that a particle is from where it was when the pairs were found, m.
+    fn drift(&self, positions: &[Vector3]) -> f64 {
+        let squared = positions.iter().zip(&self.origin).map(|(p, o)| (p - o).norm_squared());
+        squared.fold(0.0, f64::max).sqrt()
     }
 
     /// Adds the gradient, N, and returns the energy, J.
     pub fn evaluate(&self, positions: &[Vector3], gradient: &mut [Vector3]) -> f64 {
         let mut energy = 0.0;
-        for (span, distance, clearance) in self.active(positions) {
+        for ActivePair { span, distance, clearance } in self.active(positions) {
             let (pair_energy, slope, _) = repulsion(distance, clearance, self.settings.stiffness);
             energy += pair_energy;
             let pull = span.vector * (slope / distance);
@@ -246,7 +273,7 @@ impl SelfContact {
     /// `dᵀ H d` without what is negative.
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
         let mut sum = 0.0;
-        for (span, distance, clearance) in self.active(positions) {
+        for ActivePair { span, distance, clearance } in self.active(positions) {
             let rate: Vector3 = span.particles.iter().zip(span.weights).map(|(p, w)| direction[*p as usize] * w).sum();
             let (_, _, curvature) = repulsion(distance, clearance, self.settings.stiffness);
             sum += curvature * (rate.dot(&span.vector) / distance).powi(2);
@@ -272,8 +299,7 @@ impl SelfContact {
         if (0..positions.len()).any(gone) {
             self.rebuild(positions);
         }
-        let drift =
-            (0..positions.len()).map(|p| (positions[p] - self.origin[p]).norm_squared()).fold(0.0, f64::max).sqrt();
+        let drift = self.drift(positions);
         let mut first = None;
         for round in 0..MOST_ROUNDS {
             let blocked = self.blocked(positions, moves, drift);
@@ -297,7 +323,7 @@ impl SelfContact {
         self.pairs
             .par_iter()
             .zip(&self.found_distance)
-            .with_min_len(512)
+            .with_min_len(MOST_PAIRS_ALONE)
             .filter_map(|(&pair, &found)| {
                 let particles = self.particles_of(pair);
                 let m = particles.map(|p| moves[p as usize]);
