@@ -320,11 +320,16 @@ impl SelfContact {
 
     /// Pairs whose sides would come too near.
     fn blocked(&self, positions: &[Vector3], moves: &[Vector3], drift: f64) -> Vec<Blocked> {
+        // A particle differs from the mean by at most two of the longest moves.
+        let most_closing = 4.0 * moves.iter().map(|m| m.norm_squared()).fold(0.0, f64::max).sqrt();
         self.pairs
             .par_iter()
             .zip(&self.found_distance)
             .with_min_len(MOST_PAIRS_ALONE)
             .filter_map(|(&pair, &found)| {
+                if most_closing <= APPROACH_SHARE * (found - 2.0 * drift) {
+                    return None;
+                }
                 let particles = self.particles_of(pair);
                 let m = particles.map(|p| moves[p as usize]);
                 let mean = (m[0] + m[1] + m[2] + m[3]) * 0.25;
