@@ -156,11 +156,11 @@ impl SelfContact {
         let triangles = level.particle_triangles();
         let edges: Vec<[u32; 2]> = EdgeTable::new(&triangles).edges.into_iter().map(|e| e.ends).collect();
         let mut clearance = vec![settings.clearance; level.particle_count];
-        for t in 0..triangles.len() {
+        for (t, particles) in triangles.iter().enumerate() {
             let rest = level.rest_corners(t);
             for k in 0..3 {
                 let length = (rest[(k + 1) % 3] - rest[k]).norm();
-                for p in [triangles[t][k], triangles[t][(k + 1) % 3]] {
+                for p in [particles[k], particles[(k + 1) % 3]] {
                     clearance[p as usize] = clearance[p as usize].min(EDGE_SHARE * length);
                 }
             }

@@ -33,7 +33,7 @@ impl Run {
     /// Bit `k` tells whether box `k` meets the box `low..high`; touching counts.
     #[inline]
     fn meeting(&self, low: Vector3, high: Vector3) -> u32 {
-        // The widest gap along any axis, of all boxes at once; compilers find no vectors in comparisons.
+        // The widest gap along any axis: compilers make vectors of this, and not of comparisons.
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         let mut gaps = [f64::NEG_INFINITY; RUN];
         for axis in 0..3 {
