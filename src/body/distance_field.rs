@@ -77,42 +77,63 @@ impl DistanceField {
     /// Distance and gradient, or `None` farther than the band outside.
     #[inline]
     pub fn sample(&self, point: Vector3) -> Option<Sample> {
+        self.sample_below(point, f64::INFINITY)
+    }
+
+    /// The same where the distance is below `most`, m; for the others the gradient is not worth computing.
+    #[inline]
+    pub fn sample_below(&self, point: Vector3, most: f64) -> Option<Sample> {
         let at = (point - self.origin) / self.cell;
-        // The nearest node; it and its neighbours carry the spline.
-        let node = at.map(|c| (c + 0.5).floor());
+        // The nearest node; it and its neighbours carry the spline. What is negative or no number
+        // becomes node 0, which has no neighbours.
+        let node = at.map(|c| (c + 0.5) as usize);
         let [nx, ny, nz] = self.extent;
-        let within = |c: f64, n: usize| c >= 1.0 && c < (n - 1) as f64;
+        let within = |c: usize, n: usize| c >= 1 && c < n - 1;
         if !(within(node.x, nx) && within(node.y, ny) && within(node.z, nz)) {
             return None;
         }
-        let base = (node.z as usize * ny + node.y as usize) * nx + node.x as usize;
+        let base = (node.z * ny + node.y) * nx + node.x;
         if f64::from(self.coefficients[base]) > self.band + self.cell {
             return None;
         }
-        let offset = at - node;
+        let offset = at - node.map(|c| c as f64);
         let [wx, wy, wz] = [offset.x, offset.y, offset.z].map(spline_weights);
-        let [dx, dy, dz] = [offset.x, offset.y, offset.z].map(spline_slopes);
-        let mut distance = 0.0;
-        let mut slope = Vector3::zeros();
         let corner = base - (ny + 1) * nx - 1;
+        let row = |j: usize, k: usize| {
+            let start = corner + (k * ny + j) * nx;
+            let row = &self.coefficients[start..start + 3];
+            [f64::from(row[0]), f64::from(row[1]), f64::from(row[2])]
+        };
+        let mut distance = 0.0;
+        let mut along = [[0.0; 3]; 3];
         for k in 0..3 {
             for j in 0..3 {
-                let start = corner + (k * ny + j) * nx;
-                let row = &self.coefficients[start..start + 3];
-                let row = [f64::from(row[0]), f64::from(row[1]), f64::from(row[2])];
-                let along = row[0] * wx[0] + row[1] * wx[1] + row[2] * wx[2];
+                let row = row(j, k);
+                along[k][j] = row[0] * wx[0] + row[1] * wx[1] + row[2] * wx[2];
+                distance += along[k][j] * wy[j] * wz[k];
+            }
+        }
+        if distance >= most {
+            return None;
+        }
+        let [dx, dy, dz] = [offset.x, offset.y, offset.z].map(spline_slopes);
+        let mut slope = Vector3::zeros();
+        for k in 0..3 {
+            for j in 0..3 {
+                let (row, along) = (row(j, k), along[k][j]);
                 let across = row[0] * dx[0] + row[1] * dx[1] + row[2] * dx[2];
-                distance += along * wy[j] * wz[k];
                 slope += Vector3::new(across * wy[j] * wz[k], along * dy[j] * wz[k], along * wy[j] * dz[k]);
             }
         }
         Some(Sample { distance, gradient: slope / self.cell })
     }
 
-    fn node_position(&self, node: usize) -> Vector3 {
-        let [nx, ny, _] = self.extent;
-        let index = Vector3::new((node % nx) as f64, (node / nx % ny) as f64, (node / (nx * ny)) as f64);
-        self.origin + index * self.cell
+    fn node(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.extent[1] + y) * self.extent[0] + x
+    }
+
+    fn node_position(&self, [x, y, z]: [usize; 3]) -> Vector3 {
+        self.origin + Vector3::new(x as f64, y as f64, z as f64) * self.cell
     }
 
     /// Spline coefficients of nodal values.
@@ -155,8 +176,9 @@ fn spline_slopes(offset: f64) -> [f64; 3] {
 
 /// Distances that spread from the surface, nearest nodes first.
 struct Propagation<'a> {
-    body: &'a Body,
     field: &'a DistanceField,
+    /// Corners of each triangle of the body and its unit normal; zero where it has no area.
+    triangles: Vec<([Vector3; 3], Vector3)>,
     squared: Vec<f32>,
     nearest: Vec<u32>,
 }
@@ -166,7 +188,12 @@ impl<'a> Propagation<'a> {
     fn new(body: &'a Body, field: &'a DistanceField) -> Self {
         let [nx, ny, nz] = field.extent;
         let count = nx * ny * nz;
-        let mut start = Self { body, field, squared: vec![f32::INFINITY; count], nearest: vec![u32::MAX; count] };
+        let triangles = (0..body.triangles().len() as u32).map(|t| {
+            let [a, b, c] = body.corners(t);
+            ([a, b, c], (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros))
+        });
+        let triangles = triangles.collect();
+        let mut start = Self { field, triangles, squared: vec![f32::INFINITY; count], nearest: vec![u32::MAX; count] };
         for t in 0..body.triangles().len() as u32 {
             let [a, b, c] = body.corners(t);
             let first = ((a.inf(&b).inf(&c) - field.origin) / field.cell).map(|v| v.floor() as usize);
@@ -174,7 +201,7 @@ impl<'a> Propagation<'a> {
             for z in first.z..=last.z {
                 for y in first.y..=last.y {
                     for x in first.x..=last.x {
-                        start.improve((z * ny + y) * nx + x, t);
+                        start.improve([x, y, z], t);
                     }
                 }
             }
@@ -182,10 +209,17 @@ impl<'a> Propagation<'a> {
         start
     }
 
-    /// Takes the distance to a triangle if it is the nearest yet; tells whether it was.
-    fn improve(&mut self, node: usize, triangle: u32) -> bool {
-        let point = self.field.node_position(node);
-        let [a, b, c] = self.body.corners(triangle);
+    /// Takes the distance of a node to a triangle if it is the nearest yet; tells whether it was.
+    #[inline]
+    fn improve(&mut self, at: [usize; 3], triangle: u32) -> bool {
+        let node = self.field.node(at);
+        let point = self.field.node_position(at);
+        let ([a, b, c], normal) = self.triangles[triangle as usize];
+        // No point of the triangle is nearer than its plane; a margin for rounding.
+        let to_plane = (point - a).dot(&normal);
+        if to_plane * to_plane > 1.0001 * f64::from(self.squared[node]) {
+            return false;
+        }
         let w = closest_on_triangle(point, [a, b, c]);
         let squared = (a * w[0] + b * w[1] + c * w[2] - point).norm_squared() as f32;
         let nearer = squared < self.squared[node];
@@ -215,24 +249,28 @@ impl<'a> Propagation<'a> {
             }
         }
         let inside = lines.inside(self.field);
-        let mut at = 0;
-        while at < waiting.len() {
-            for node in std::mem::take(&mut waiting[at]) {
+        let mut from = 0;
+        while from < waiting.len() {
+            for node in std::mem::take(&mut waiting[from]) {
                 let node = node as usize;
-                if slot(self.squared[node]) < at {
+                if slot(self.squared[node]) < from {
                     continue;
                 }
                 let triangle = self.nearest[node];
-                for step in [1, nx, nx * ny] {
-                    for next in [node - step, node + step] {
-                        let nearer = self.nearest[next] != triangle && self.improve(next, triangle);
+                let at = [node % nx, node / nx % ny, node / (nx * ny)];
+                for axis in 0..3 {
+                    for along in [at[axis] - 1, at[axis] + 1] {
+                        let mut beside = at;
+                        beside[axis] = along;
+                        let next = self.field.node(beside);
+                        let nearer = self.nearest[next] != triangle && self.improve(beside, triangle);
                         if nearer && (inside[next] || f64::from(self.squared[next]) < reach * reach) {
                             push(&mut waiting, next, self.squared[next]);
                         }
                     }
                 }
             }
-            at += 1;
+            from += 1;
         }
         self.squared.into_iter().map(f32::sqrt).collect()
     }

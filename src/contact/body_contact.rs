@@ -77,6 +77,9 @@ pub struct BodyContact<'a> {
 const LONGEST_UNSAMPLED: f64 = 0.022;
 /// Radius of the limbs and curves that cloth is bent around, m: tells how far an edge cuts the curve.
 const LIMB_RADIUS: f64 = 0.06;
+/// What may be missing from a clearance without being held out, m. A micrometre's move of one particle
+/// is a force of many times its weight; a state in balance is worth more than the last of them.
+pub const HOLD_TOLERANCE: f64 = 5e-5;
 /// The most by which a particle aims beyond its clearance or short of it, m.
 const LARGEST_OFFSET: f64 = 2e-3;
 /// Tangential stiffness of a sticking sample over its normal one. Softer than the normal one, as the
@@ -198,8 +201,8 @@ impl<'a> BodyContact<'a> {
         Some(if self.body.contains(point) { -distance } else { distance })
     }
 
-    /// Moves that take each particle that is too near out to its clearance, by exact distances; zero
-    /// for the others.
+    /// Moves that take each particle that is nearer than its clearance, by more than
+    /// [`HOLD_TOLERANCE`], out to it, by exact distances; zero for the others.
     pub fn hold(&self, positions: &[Vector3]) -> Vec<Vector3> {
         // A second round serves creases, where moving out of one side leads to the other.
         const ROUNDS: usize = 3;
@@ -226,7 +229,7 @@ impl<'a> BodyContact<'a> {
         let reach = rough.distance.abs() + clearance.abs() + 2.0 * self.field.cell();
         let nearest = self.body.nearest(point, reach)?;
         let inside = self.body.contains(point);
-        if !inside && nearest.distance >= clearance {
+        if !inside && nearest.distance >= clearance - HOLD_TOLERANCE {
             return None;
         }
         let away = if inside { nearest.point - point } else { point - nearest.point };
@@ -263,7 +266,7 @@ fn tangential(v: Vector3, normal: Vector3) -> Vector3 {
 
 #[inline]
 fn touch(field: &DistanceField, position: Vector3, clearance: f64) -> Touch {
-    match field.sample(position) {
+    match field.sample_below(position, clearance) {
         Some(s) if s.distance < clearance => Touch { normal: s.gradient, depth: clearance - s.distance },
         _ => Touch::default(),
     }

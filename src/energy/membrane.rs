@@ -88,10 +88,14 @@ impl Triangle {
     fn edges(&self, [a, b, c]: [Vector3; 3]) -> Edges {
         let spans = [c - b, a - c, b - a];
         let lengths = spans.map(|s| s.norm());
-        let inverse_length: [f64; 3] = std::array::from_fn(|k| 1.0 / lengths[k].max(SHORTEST / self.inverse_rest[k]));
+        let stretch: [f64; 3] = std::array::from_fn(|k| lengths[k] * self.inverse_rest[k]);
+        let inverse_length: [f64; 3] = std::array::from_fn(|k| {
+            let collapsed = stretch[k] < SHORTEST;
+            1.0 / if collapsed { SHORTEST / self.inverse_rest[k] } else { lengths[k] }
+        });
         Edges {
             unit: std::array::from_fn(|k| spans[k] * inverse_length[k]),
-            strain: std::array::from_fn(|k| lengths[k] * self.inverse_rest[k] - 1.0),
+            strain: stretch.map(|stretch| stretch - 1.0),
             inverse_length,
         }
     }

@@ -2,12 +2,14 @@
 
 mod intersection;
 mod nearest;
+mod run_tree;
 mod topology;
 mod tree;
 mod union_find;
 
 pub use intersection::{polygon_crossing, segment_meets_triangle, triangles_intersect};
 pub use nearest::{SegmentPair, closest_between_segments, closest_on_triangle, triangle_distance};
+pub use run_tree::RunTree;
 pub use topology::{Edge, EdgeTable};
 pub use tree::BoxTree;
 pub use union_find::UnionFind;

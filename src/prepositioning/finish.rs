@@ -18,17 +18,19 @@ const LIMB_RADIUS: f64 = 0.06;
 /// Evaluations that smooth what a round has moved.
 const EVALUATIONS_PER_ROUND: usize = 15;
 
-/// Takes every particle out to its clearance and every triangle out of the body.
-pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) {
+/// Takes every particle out to its clearance and every triangle out of the body. Returns whether
+/// anything had to be moved.
+pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) -> bool {
     let cloth = &scene.garment.levels[level];
     let mut minimizer = ConjugateGradient::new(positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
     let widening = LEAST_WIDENING.max(WIDENING_SHARE * cloth.resolution.powi(2) / (8.0 * LIMB_RADIUS));
+    let mut moved = false;
     for _ in 0..MOST_ROUNDS {
-        hold(problem, positions);
+        moved |= hold(problem, positions);
         let pierced = body_intersections(cloth, positions, scene.body);
         if pierced.is_empty() {
-            return;
+            return moved;
         }
         let mut particles: Vec<u32> = pierced.iter().flat_map(|&[t, _]| cloth.particles(t as usize)).collect();
         particles.sort_unstable();
@@ -36,13 +38,18 @@ pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positio
         problem.body.widen(particles, widening);
         hold(problem, positions);
         minimizer.run(problem, positions, &steps, |_| false);
+        problem.body.correct(positions);
+        moved = true;
     }
     hold(problem, positions);
+    moved
 }
 
-/// Moves particles out to their clearance, without passing through other cloth.
-fn hold(problem: &mut Relaxation, positions: &mut [Vector3]) {
+/// Moves particles out to their clearance, without passing through other cloth. Returns whether any
+/// was moved.
+fn hold(problem: &mut Relaxation, positions: &mut [Vector3]) -> bool {
     let mut moves = problem.body.hold(positions);
     problem.cloth.limit(positions, &mut moves);
-    positions.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
+    positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
+    moves.iter().any(|by| *by != Vector3::zeros())
 }

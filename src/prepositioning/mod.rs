@@ -157,8 +157,8 @@ pub enum Event<'a> {
     LevelDone { level: usize, summary: &'a LevelSummary, cloth: &'a Level, positions: &'a [Vector3] },
 }
 
-/// Watches a run.
-pub trait Observer {
+/// Watches a run, from one of the threads that work on it.
+pub trait Observer: Send {
     fn event(&mut self, event: &Event);
 }
 
@@ -236,6 +236,17 @@ pub fn preposition(
 ) -> Result<Outcome, Error> {
     settings.check()?;
     check_placement(pattern, body)?;
+    // Parallel work that is begun outside the pool wakes a thread and waits for it, each time.
+    rayon::scope(|_| sew_and_relax(pattern, fabric, body, settings, observer))
+}
+
+fn sew_and_relax(
+    pattern: &Pattern,
+    fabric: &Fabric,
+    body: &Body,
+    settings: &Settings,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, Error> {
     let garment = Garment::build(pattern, &settings.resolutions)?;
     let field = DistanceField::new(body, FIELD_CELL, settings.clearance + FIELD_BAND);
     let arrangement = arrange(pattern, &garment.open, body);

@@ -1,7 +1,7 @@
 //! One level: gravity, contact, and the minimizer.
 
 use super::finish;
-use super::problem::Relaxation;
+use super::problem::{Relaxation, Residual};
 use super::sewing::hold;
 use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
 use crate::arrangement::Arrangement;
@@ -49,41 +49,73 @@ pub fn relax(
     let starting_intersections = cloth_intersections(cloth, positions).len();
     let mut problem = problem(scene, level, arrangement, positions);
     let mut run = Run { minimizer: ConjugateGradient::new(positions.len()), evaluations: 0, curve: Vec::new() };
-    let mut termination = Termination::Budget;
-    while run.evaluations < budget {
-        let most = ANCHOR_INTERVAL.min(budget - run.evaluations);
-        termination = run.steps(scene, level, &mut problem, positions, most, observer);
-        if finest {
-            // Cloth finds its place by sliding; in the end it stays there by friction alone.
-            if run.evaluations as f64 >= SLIDING * budget as f64 {
-                problem.body.settings.friction = scene.fabric.friction;
-                problem.energy.holds.clear();
-            }
-            problem.body.correct(positions);
-        }
-        problem.body.update_anchors(positions);
-        if termination != Termination::Budget {
-            break;
-        }
-    }
-    if finest {
-        finish::clear_body(scene, level, &mut problem, positions);
-    }
-    let mut gradient = vec![Vector3::zeros(); positions.len()];
-    problem.evaluate(positions, &mut gradient);
+    let termination = if finest {
+        settle(scene, level, &mut problem, &mut run, positions, budget, observer)
+    } else {
+        run.steps(scene, level, &mut problem, positions, budget, observer)
+    };
     let summary = LevelSummary {
         resolution: cloth.resolution,
         particles: cloth.particle_count,
         triangles: cloth.triangles.len(),
         evaluations: run.evaluations,
         energies: problem.terms,
-        residual: problem.residual(&gradient),
+        residual: residual_at(&mut problem, positions),
         termination,
         starting_intersections,
         curve: run.curve,
     };
     observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
     summary
+}
+
+/// Relaxes the finest level: sliding at first, held by friction in the end, and clear of the body.
+///
+/// Contact is corrected and anchors are moved between runs of the minimizer, and the balance that is
+/// asked for has to hold afterwards.
+fn settle(
+    scene: &Scene,
+    level: usize,
+    problem: &mut Relaxation,
+    run: &mut Run,
+    positions: &mut Vec<Vector3>,
+    budget: usize,
+    observer: &mut dyn Observer,
+) -> Termination {
+    let settings = scene.settings;
+    let sliding = (SLIDING * settings.finest_evaluations as f64) as usize;
+    let balanced = |problem: &mut Relaxation, positions: &[Vector3]| {
+        settings.until == FinishLine::Equilibrium
+            && residual_at(problem, positions).rms <= settings.equilibrium_residual
+    };
+    let mut let_go = false;
+    while run.evaluations < budget {
+        let most = ANCHOR_INTERVAL.min(budget - run.evaluations);
+        let termination = run.steps(scene, level, problem, positions, most, observer);
+        // Cloth finds its place by sliding; in the end it stays there by friction alone.
+        if !let_go && (run.evaluations >= sliding || termination != Termination::Budget) {
+            let_go = true;
+            problem.body.settings.friction = scene.fabric.friction;
+            problem.energy.holds.clear();
+            problem.update_diagonal();
+        }
+        problem.body.correct(positions);
+        problem.body.update_anchors(positions);
+        if balanced(problem, positions) && !finish::clear_body(scene, level, problem, positions) {
+            return Termination::Converged;
+        }
+        if termination == Termination::Stalled {
+            break;
+        }
+    }
+    finish::clear_body(scene, level, problem, positions);
+    if balanced(problem, positions) { Termination::Converged } else { Termination::Budget }
+}
+
+fn residual_at(problem: &mut Relaxation, positions: &[Vector3]) -> Residual {
+    let mut gradient = vec![Vector3::zeros(); positions.len()];
+    problem.evaluate(positions, &mut gradient);
+    problem.residual(&gradient)
 }
 
 /// What is coarse is cheap and has the larger way to go: `most` evaluations from
