@@ -50,6 +50,10 @@ const MARGIN_CELLS: f64 = 6.0;
 /// it, the node's neighbours √3 cells farther, and sharpening looks one node past those.
 const REACH_CELLS: f64 = 4.0;
 
+/// The field's distance grows by at most this many metres a metre. That of a body grows by one; the
+/// spline overshoots a little over creases.
+pub const STEEPEST: f64 = 1.3;
+
 impl DistanceField {
     /// Distances inside and up to `band` outside, on a grid of `cell`, m.
     pub fn new(body: &Body, cell: f64, band: f64) -> Self {
@@ -77,12 +81,13 @@ impl DistanceField {
     /// Distance and gradient, or `None` farther than the band outside.
     #[inline]
     pub fn sample(&self, point: Vector3) -> Option<Sample> {
-        self.sample_below(point, f64::INFINITY)
+        self.sample_below(point, f64::INFINITY).ok()
     }
 
-    /// The same where the distance is below `most`, m; for the others the gradient is not worth computing.
+    /// The same where the distance is below `most`, m. For the others the gradient is not worth
+    /// computing: `Err` has their distance, or the band where they are beyond it.
     #[inline]
-    pub fn sample_below(&self, point: Vector3, most: f64) -> Option<Sample> {
+    pub fn sample_below(&self, point: Vector3, most: f64) -> Result<Sample, f64> {
         let at = (point - self.origin) / self.cell;
         // The nearest node; it and its neighbours carry the spline. What is negative or no number
         // becomes node 0, which has no neighbours.
@@ -90,11 +95,11 @@ impl DistanceField {
         let [nx, ny, nz] = self.extent;
         let within = |c: usize, n: usize| c >= 1 && c < n - 1;
         if !(within(node.x, nx) && within(node.y, ny) && within(node.z, nz)) {
-            return None;
+            return Err(self.band);
         }
         let base = (node.z * ny + node.y) * nx + node.x;
         if f64::from(self.coefficients[base]) > self.band + self.cell {
-            return None;
+            return Err(self.band);
         }
         let offset = at - node.map(|c| c as f64);
         let [wx, wy, wz] = [offset.x, offset.y, offset.z].map(spline_weights);
@@ -114,7 +119,7 @@ impl DistanceField {
             }
         }
         if distance >= most {
-            return None;
+            return Err(distance);
         }
         let [dx, dy, dz] = [offset.x, offset.y, offset.z].map(spline_slopes);
         let mut slope = Vector3::zeros();
@@ -125,7 +130,7 @@ impl DistanceField {
                 slope += Vector3::new(across * wy[j] * wz[k], along * dy[j] * wz[k], along * wy[j] * dz[k]);
             }
         }
-        Some(Sample { distance, gradient: slope / self.cell })
+        Ok(Sample { distance, gradient: slope / self.cell })
     }
 
     fn node(&self, [x, y, z]: [usize; 3]) -> usize {

@@ -5,7 +5,7 @@ pub mod mannequin;
 mod validate;
 mod winding;
 
-pub use distance_field::{DistanceField, Sample};
+pub use distance_field::{DistanceField, STEEPEST, Sample};
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle};
 use crate::{Error, Warning};

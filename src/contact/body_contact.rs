@@ -15,7 +15,7 @@
 //! is pulled harder than `μ N` slips after. Anchors move in [`BodyContact::update_anchors`] only:
 //! between two calls the energy is a function of the positions.
 
-use crate::body::{Body, DistanceField};
+use crate::body::{Body, DistanceField, STEEPEST};
 use crate::garment::Level;
 use crate::geometry::{EdgeTable, Vector3};
 use crate::minimize::CHUNK;
@@ -49,6 +49,14 @@ struct Touch {
     depth: f64,
 }
 
+/// The last place where a particle was found to touch nothing.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sighting {
+    place: Vector3,
+    /// Distance of the place from the body, at least, m.
+    distance: f64,
+}
+
 /// Where a sample sticks.
 #[derive(Clone, Copy, Debug)]
 struct Anchor {
@@ -71,6 +79,8 @@ pub struct BodyContact<'a> {
     /// One per particle, then one per middle.
     touches: Vec<Touch>,
     anchors: Vec<Option<Anchor>>,
+    /// One per particle: it need not be looked at again before it has come near enough to touch.
+    sightings: Vec<Sighting>,
 }
 
 /// Edges longer than this carry a sample in their middle, m: a wrist is 50 mm thick.
@@ -99,6 +109,7 @@ impl<'a> BodyContact<'a> {
             middles,
             touches: vec![Touch::default(); count],
             anchors: vec![None; count],
+            sightings: vec![Sighting::default(); level.particle_count],
         }
     }
 
@@ -113,10 +124,11 @@ impl<'a> BodyContact<'a> {
             .zip(gradient.par_chunks_mut(CHUNK))
             .zip(particle_anchors.par_chunks(CHUNK))
             .zip(self.extra.par_chunks(CHUNK).zip(self.offset.par_chunks(CHUNK)))
-            .map(|((((touches, positions), gradient), anchors), (extra, offset))| {
+            .zip(self.sightings.par_chunks_mut(CHUNK))
+            .map(|(((((touches, positions), gradient), anchors), (extra, offset)), sightings)| {
                 let mut sum = 0.0;
                 for k in 0..touches.len() {
-                    touches[k] = touch(field, positions[k], clearance + extra[k] + offset[k]);
+                    touches[k] = sighted(field, positions[k], clearance + extra[k] + offset[k], &mut sightings[k]);
                     let (energy, pull) = push(&touches[k], &anchors[k], positions[k], stiffness);
                     sum += energy;
                     gradient[k] += pull;
@@ -267,8 +279,27 @@ fn tangential(v: Vector3, normal: Vector3) -> Vector3 {
 #[inline]
 fn touch(field: &DistanceField, position: Vector3, clearance: f64) -> Touch {
     match field.sample_below(position, clearance) {
-        Some(s) if s.distance < clearance => Touch { normal: s.gradient, depth: clearance - s.distance },
-        _ => Touch::default(),
+        Ok(s) => Touch { normal: s.gradient, depth: clearance - s.distance },
+        Err(_) => Touch::default(),
+    }
+}
+
+/// The same for a particle whose last sighting is remembered: most particles move little in a step.
+#[inline]
+fn sighted(field: &DistanceField, position: Vector3, clearance: f64, last: &mut Sighting) -> Touch {
+    let free = (last.distance - clearance).max(0.0) / STEEPEST;
+    if (position - last.place).norm_squared() < free * free {
+        return Touch::default();
+    }
+    match field.sample_below(position, clearance) {
+        Ok(s) => {
+            last.distance = f64::NEG_INFINITY;
+            Touch { normal: s.gradient, depth: clearance - s.distance }
+        }
+        Err(distance) => {
+            *last = Sighting { place: position, distance };
+            Touch::default()
+        }
     }
 }
 

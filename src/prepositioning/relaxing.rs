@@ -12,8 +12,10 @@ use crate::geometry::Vector3;
 use crate::minimize::{ConjugateGradient, Problem, Settings as Steps, Termination};
 use crate::pattern::SegmentLabel;
 
-/// Evaluations between two looks at the anchors of friction.
-const ANCHOR_INTERVAL: usize = 40;
+/// Evaluations of one run of the minimizer; between two runs contact is corrected and anchors of
+/// friction are moved. Where neither is needed, starting afresh so often still finds lower energies
+/// than long runs do: the directions of a buckling garment are soon out of date.
+const RUN_LENGTH: usize = 40;
 /// A coarse level is done at this rms residual, in particle weights: what is left is far below what
 /// the prolongation to the next level brings.
 const COARSE_RESIDUAL: f64 = 0.3;
@@ -52,7 +54,7 @@ pub fn relax(
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
     } else {
-        run.steps(scene, level, &mut problem, positions, budget, observer)
+        coarsely(scene, level, &mut problem, &mut run, positions, budget, observer)
     };
     let summary = LevelSummary {
         resolution: cloth.resolution,
@@ -67,6 +69,24 @@ pub fn relax(
     };
     observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
     summary
+}
+
+/// Relaxes a level but the finest: sliding, and as far as the prolongation can make use of.
+fn coarsely(
+    scene: &Scene,
+    level: usize,
+    problem: &mut Relaxation,
+    run: &mut Run,
+    positions: &mut Vec<Vector3>,
+    budget: usize,
+    observer: &mut dyn Observer,
+) -> Termination {
+    let mut termination = Termination::Budget;
+    while run.evaluations < budget && termination == Termination::Budget {
+        let most = RUN_LENGTH.min(budget - run.evaluations);
+        termination = run.steps(scene, level, problem, positions, most, observer);
+    }
+    termination
 }
 
 /// Relaxes the finest level: sliding at first, held by friction in the end, and clear of the body.
@@ -90,7 +110,7 @@ fn settle(
     };
     let mut let_go = false;
     while run.evaluations < budget {
-        let most = ANCHOR_INTERVAL.min(budget - run.evaluations);
+        let most = RUN_LENGTH.min(budget - run.evaluations);
         let termination = run.steps(scene, level, problem, positions, most, observer);
         // Cloth finds its place by sliding; in the end it stays there by friction alone.
         if !let_go && (run.evaluations >= sliding || termination != Termination::Budget) {
