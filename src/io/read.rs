@@ -63,7 +63,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Error {
         ErrorKind::NotFound => {
             let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
             let problem = if folder.is_dir() {
-                format!("The file does not exist in the folder {}.", folder.display())
+                format!("There is no such file in the folder \"{}\".", folder.display())
             } else {
                 format!("The folder {} does not exist.", folder.display())
             };
@@ -93,7 +93,7 @@ mod tests {
     fn what_cannot_be_read_says_why() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
-        assert!(bytes(&path).unwrap_err().problem().contains("does not exist in the folder"));
+        assert!(bytes(&path).unwrap_err().problem().contains("no such file in the folder"));
         assert!(bytes(&path.join("file")).unwrap_err().problem().starts_with("The folder"));
         assert!(bytes(folder.path()).unwrap_err().problem().contains("is a folder"));
         fs::write(&path, b"text\xff").unwrap();

@@ -1,0 +1,79 @@
+//! Whole fits of the embedded garments: what must hold for any garment, and figures that should not
+//! change unnoticed.
+
+use toile::assess::{cloth_intersections, hand_off};
+use toile::body::Body;
+use toile::energy::{Bending, Membrane, Model};
+use toile::io::{body_obj, embedded, garmentcode};
+use toile::pattern::{Fabric, Pattern};
+use toile::prepositioning::{Event, LevelSummary, Observer, Outcome, Settings, preposition};
+
+fn body() -> Body {
+    body_obj::parse(embedded::MANNEQUIN_OBJ).unwrap().0
+}
+
+fn pattern(text: &str) -> Pattern {
+    garmentcode::parse(text, "garment").unwrap().0
+}
+
+/// What a watcher can check on the way.
+#[derive(Default)]
+struct Watcher {
+    crossings: usize,
+}
+
+impl Observer for Watcher {
+    fn event(&mut self, event: &Event) {
+        if let Event::LevelDone { cloth, positions, .. } = event {
+            self.crossings += cloth_intersections(cloth, positions).len();
+        }
+    }
+}
+
+fn fitted(pattern: &Pattern, settings: &Settings) -> Outcome {
+    let mut watcher = Watcher::default();
+    let outcome = preposition(pattern, &Fabric::default(), &body(), settings, &mut watcher).unwrap();
+    assert_eq!(watcher.crossings, 0, "cloth crosses cloth at the end of a level");
+    outcome
+}
+
+fn levels() -> Settings {
+    Settings { resolutions: vec![0.036, 0.018], ..Settings::for_resolution(0.018) }
+}
+
+#[test]
+fn the_embedded_garments_are_ready_for_hand_off_and_stay_where_they_are_worn() {
+    for (text, gravity_joules) in [(embedded::TEE, 1.54), (embedded::DRESS, 1.834)] {
+        let pattern = pattern(text);
+        let outcome = fitted(&pattern, &levels());
+        let failed: Vec<_> = hand_off(&outcome.assessment).into_iter().filter(|check| !check.passed).collect();
+        assert!(failed.is_empty(), "{failed:?}");
+        let last: &LevelSummary = outcome.levels.last().unwrap();
+        // Weight times height: a garment that slid off, or was cut from other cloth, changes it.
+        assert!((last.energies.gravity / gravity_joules - 1.0).abs() < 0.03, "{gravity_joules}: {:?}", last.energies);
+        // Measured at 0.2 to 0.4 %; a membrane or contact that goes wrong shows here first.
+        assert!((0.0005..0.006).contains(&outcome.assessment.strain.mean), "{:?}", outcome.assessment.strain);
+    }
+}
+
+#[test]
+fn finer_levels_find_the_drape_of_the_coarser_ones() {
+    let pattern = pattern(embedded::TEE);
+    let outcome = fitted(&pattern, &levels());
+    let [coarse, fine] = outcome.levels.as_slice() else { panic!("two levels") };
+    // The fabric is the same on every level: so is the garment's weight, and nearly so its height.
+    assert!((fine.energies.gravity / coarse.energies.gravity - 1.0).abs() < 0.02);
+    // And what coarse triangles cannot fold they stretch: the energy falls as levels get finer.
+    assert!(fine.energies.total() < 1.002 * coarse.energies.total(), "{:?} {:?}", coarse.energies, fine.energies);
+}
+
+#[test]
+fn the_springs_of_the_paper_sew_the_same_garment() {
+    let pattern = pattern(embedded::TEE);
+    let model = Model { membrane: Membrane::Springs, bending: Bending::Springs };
+    let outcome = fitted(&pattern, &Settings { model, ..levels() });
+    assert!(outcome.assessment.intersections.is_clean());
+    assert!(outcome.assessment.seams.largest < 1e-3);
+    assert_eq!(outcome.assessment.clearance.inside, 0);
+    assert!(outcome.assessment.strain.mean < 0.02, "{:?}", outcome.assessment.strain);
+}
