@@ -90,6 +90,11 @@ const LIMB_RADIUS: f64 = 0.06;
 /// What may be missing from a clearance without being held out, m. A micrometre's move of one particle
 /// is a force of many times its weight; a state in balance is worth more than the last of them.
 pub const HOLD_TOLERANCE: f64 = 5e-5;
+/// Where a particle is as near to its clearance as this it aims no better, m: every correction is a
+/// new force, and corrections without end would never let the cloth come to rest.
+const CORRECTION_TOLERANCE: f64 = 2e-5;
+/// The most by which the distance field is wrong in creases, m.
+const FIELD_ERROR: f64 = 1e-3;
 /// The most by which a particle aims beyond its clearance or short of it, m.
 const LARGEST_OFFSET: f64 = 2e-3;
 /// Tangential stiffness of a sticking sample over its normal one. Softer than the normal one, as the
@@ -193,10 +198,15 @@ impl<'a> BodyContact<'a> {
             .with_min_len(256)
             .map(|(p, &position)| {
                 let (offset, target) = (self.offset[p], self.settings.clearance + self.extra[p]);
-                if self.touches[p].depth <= 0.0 && offset == 0.0 {
+                // In a crease the field can be off by this much, and show no contact where there is one.
+                let seen = |at| self.field.sample(at).is_some_and(|s| s.distance < target + FIELD_ERROR);
+                if self.touches[p].depth <= 0.0 && offset == 0.0 && !seen(position) {
                     return 0.0;
                 }
                 match self.exact_distance(position, target) {
+                    Some(distance) if (target - distance).abs() < CORRECTION_TOLERANCE => offset,
+                    // What touches nothing and is far enough away has nothing to aim at.
+                    Some(distance) if offset == 0.0 && self.touches[p].depth <= 0.0 && distance > target => 0.0,
                     Some(distance) => (offset + target - distance).clamp(-LARGEST_OFFSET, LARGEST_OFFSET),
                     None => 0.0,
                 }

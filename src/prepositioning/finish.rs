@@ -45,6 +45,12 @@ pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positio
     moved
 }
 
+/// Is no particle in the body, and no triangle across its surface?
+pub fn is_clear(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
+    body_intersections(&scene.garment.levels[level], positions, scene.body).is_empty()
+        && !positions.iter().any(|&p| scene.body.contains(p))
+}
+
 /// Moves particles out to their clearance, without passing through other cloth. Returns whether any
 /// was moved.
 fn hold(problem: &mut Relaxation, positions: &mut [Vector3]) -> bool {

@@ -108,7 +108,7 @@ fn settle(
         settings.until == FinishLine::Equilibrium
             && residual_at(problem, positions).rms <= settings.equilibrium_residual
     };
-    let mut let_go = false;
+    let (mut let_go, mut clearings) = (false, 0);
     while run.evaluations < budget {
         let most = RUN_LENGTH.min(budget - run.evaluations);
         let termination = run.steps(scene, level, problem, positions, most, observer);
@@ -121,8 +121,14 @@ fn settle(
         }
         problem.body.correct(positions);
         problem.body.update_anchors(positions);
-        if balanced(problem, positions) && !finish::clear_body(scene, level, problem, positions) {
-            return Termination::Converged;
+        if balanced(problem, positions) {
+            // In a crease of the body there may be no place that is clear of both its sides; a state in
+            // balance that crosses nothing is then the better one.
+            let settled = clearings >= MOST_CLEARINGS && finish::is_clear(scene, level, positions);
+            if settled || !finish::clear_body(scene, level, problem, positions) {
+                return Termination::Converged;
+            }
+            clearings += 1;
         }
         if termination == Termination::Stalled {
             break;
@@ -131,6 +137,9 @@ fn settle(
     finish::clear_body(scene, level, problem, positions);
     if balanced(problem, positions) { Termination::Converged } else { Termination::Budget }
 }
+
+/// How often a balanced state is moved for the last of its clearance.
+const MOST_CLEARINGS: usize = 4;
 
 fn residual_at(problem: &mut Relaxation, positions: &[Vector3]) -> Residual {
     let mut gradient = vec![Vector3::zeros(); positions.len()];
