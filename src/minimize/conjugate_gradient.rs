@@ -6,7 +6,7 @@
 //! taken back and halved, so accepted steps never raise it. Moves are capped point by point; a
 //! capped step has left the direction, and the next one starts afresh.
 
-use super::{CHUNK, Iterate, Problem, Termination, dot};
+use super::{CHUNK, Iterate, LEAST_CHUNKS, Problem, Termination, dot};
 use crate::geometry::Vector3;
 use rayon::prelude::*;
 
@@ -110,6 +110,7 @@ impl ConjugateGradient {
             .par_chunks(CHUNK)
             .zip(old.par_chunks(CHUNK))
             .zip(diagonal.par_chunks(CHUNK))
+            .with_min_len(LEAST_CHUNKS)
             .map(|((new, old), diagonal)| {
                 let mut sums = (0.0, 0.0);
                 for ((new, old), d) in new.iter().zip(old).zip(diagonal) {
@@ -122,13 +123,12 @@ impl ConjugateGradient {
         let gz: f64 = sums.iter().map(|s| s.0).sum();
         let mixed: f64 = sums.iter().map(|s| s.1).sum();
         let beta = if gz_old > 0.0 { ((gz - mixed) / gz_old).max(0.0) } else { 0.0 };
-        self.direction.par_chunks_mut(CHUNK).zip(new.par_chunks(CHUNK)).zip(diagonal.par_chunks(CHUNK)).for_each(
-            |((direction, new), diagonal)| {
-                for ((direction, new), d) in direction.iter_mut().zip(new).zip(diagonal) {
-                    *direction = *direction * beta - new / *d;
-                }
-            },
-        );
+        let chunks = self.direction.par_chunks_mut(CHUNK).zip(new.par_chunks(CHUNK)).zip(diagonal.par_chunks(CHUNK));
+        chunks.with_min_len(LEAST_CHUNKS).for_each(|((direction, new), diagonal)| {
+            for ((direction, new), d) in direction.iter_mut().zip(new).zip(diagonal) {
+                *direction = *direction * beta - new / *d;
+            }
+        });
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
         gz
     }
@@ -146,7 +146,8 @@ fn steepest(gradient: &[Vector3], diagonal: &[f64], direction: &mut [Vector3]) -
 }
 
 fn add(points: &[Vector3], moves: &[Vector3], sum: &mut [Vector3]) {
-    sum.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).zip(moves.par_chunks(CHUNK)).for_each(|((sum, p), m)| {
+    let chunks = sum.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).zip(moves.par_chunks(CHUNK));
+    chunks.with_min_len(LEAST_CHUNKS).for_each(|((sum, p), m)| {
         for ((sum, p), m) in sum.iter_mut().zip(p).zip(m) {
             *sum = p + m;
         }
@@ -155,7 +156,8 @@ fn add(points: &[Vector3], moves: &[Vector3], sum: &mut [Vector3]) {
 
 /// `moves = step * direction`, none longer than `largest`; tells whether any was.
 fn cap(direction: &[Vector3], step: f64, largest: f64, moves: &mut [Vector3]) -> bool {
-    let chunks = moves.par_chunks_mut(CHUNK).zip(direction.par_chunks(CHUNK)).map(|(moves, direction)| {
+    let chunks = moves.par_chunks_mut(CHUNK).zip(direction.par_chunks(CHUNK)).with_min_len(LEAST_CHUNKS);
+    let chunks = chunks.map(|(moves, direction)| {
         let mut capped = false;
         for (m, d) in moves.iter_mut().zip(direction) {
             *m = d * step;

@@ -53,10 +53,14 @@ pub fn dot(a: &[Vector3], b: &[Vector3]) -> f64 {
     if a.len() <= CHUNK {
         return partial((a, b));
     }
-    let sums: Vec<f64> = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(partial).collect();
+    let sums: Vec<f64> = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).with_min_len(LEAST_CHUNKS).map(partial).collect();
     sums.iter().sum()
 }
 
 /// Points to a chunk of parallel work. Sums run over chunks in order, so that this number, unlike
 /// the number of threads, is part of a result's bytes.
 pub const CHUNK: usize = 2048;
+
+/// Sums and differences of vectors are so cheap that another thread is not worth waking for fewer
+/// chunks than this.
+const LEAST_CHUNKS: usize = 16;

@@ -12,12 +12,12 @@ use super::depth_map::{DepthMap, Window};
 use super::scene::Mesh;
 
 /// Axes, each of which looks both ways. Fewer show as bands on smooth shapes; the time grows with their number.
-const AXIS_COUNT: usize = 40;
+const AXIS_COUNT: usize = 24;
 
-/// Texels across a depth map. 400 give 5 mm for a standing body, about the spacing of the vertices that are lit.
-const MAP_SIZE: usize = 400;
+/// Texels across a depth map. 320 give 6 mm for a standing body, about the spacing of the vertices that are lit.
+const MAP_SIZE: usize = 320;
 
-/// Axes that are held in memory at a time: 2 maps each, 2.5 MB.
+/// Axes that are held in memory at a time: 2 maps each, 1.6 MB.
 const AXES_AT_A_TIME: usize = 8;
 
 /// Points are lifted off their own surface by this many texels before the comparison. More than the diagonal of a

@@ -29,8 +29,8 @@ const BIAS: f32 = 0.0012;
 const STEEPEST: f32 = 10.0;
 
 /// Points on the disk that is searched for blockers and on the one that is filtered over.
-const SEARCH_COUNT: usize = 12;
-const FILTER_COUNT: usize = 16;
+const SEARCH_COUNT: usize = 8;
+const FILTER_COUNT: usize = 12;
 
 pub(super) struct KeyLight {
     window: Window,
