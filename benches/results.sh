@@ -37,7 +37,7 @@ for mm in "${resolutions[@]}"; do
     rm -rf "$out"
     mkdir -p "$out"
     "$python" "$judge/run_corpus.py" target/release/toile "$data/patterns/garmentcode" --bodies "$data/bodies" \
-        --out "$out" --resolution-mm "$mm" | tee "$out/table.txt"
+        --out "$out" --resolution-mm "$mm" | tee "$out/table.txt" || true # not every garment has to pass
     {
         printf '\n## At %s mm\n\n```text\n' "$mm"
         # Of a failed verdict the reason is enough.
