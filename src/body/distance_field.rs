@@ -303,6 +303,8 @@ impl Lines {
                     let sense = crossing_sense(Vector3::new(0.0, py, pz), corners);
                     if sense != 0 {
                         let x = a.x - ((py - a.y) * normal.y + (pz - a.z) * normal.z) / normal.x;
+                        // Of a sliver seen on edge the division is worth nothing, its extent is.
+                        let x = if x.is_nan() { a.x } else { x.clamp(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)) };
                         lines.crossings[z * ny + y].push((x, sense));
                     }
                 }

@@ -122,7 +122,7 @@ fn volume(positions: &[Vector3], triangles: &[[u32; 3]]) -> f64 {
 fn check_upright(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
     let (low, high) = extent(positions);
     let size = high - low;
-    if size.z > 1.2 * size.y && size.z > size.x {
+    if size.z > 1.2 * size.y {
         return Err(Error::new(
             format!("The body lies along z: it is {:.2} m long there and {:.2} m high in y.", size.z, size.y),
             "Turn it so that y is up and it faces +z; many programs have z up and offer y up on export.",

@@ -135,11 +135,11 @@ impl Solving {
             settings.resolutions = length::parse_list(levels).map_err(usage("--levels"))?;
         }
         let resolutions = settings.resolutions.clone();
-        crate::garment::check_resolutions(&resolutions).map_err(usage(if self.levels.is_some() {
-            "--levels"
-        } else {
-            "--resolution"
-        }))?;
+        crate::garment::check_resolutions(&resolutions).map_err(|e| match (&self.levels, &self.resolution) {
+            (Some(_), _) => Failure::Usage(e.within("--levels")),
+            (None, Some(_)) => Failure::Usage(e.within("--resolution")),
+            (None, None) => Failure::Input(e.within("levels").within(named())),
+        })?;
         settings = Settings::for_resolution(*resolutions.last().expect("checked: there is a level"));
         if let Some(text) = file {
             settings_toml::apply(text, &mut settings).map_err(|e| e.within(named()))?;
@@ -151,7 +151,10 @@ impl Solving {
         if let Some(until) = &self.until {
             settings.until = settings_toml::finish_line(until).map_err(usage("--until"))?;
         }
-        settings.check().map_err(Failure::Usage)?;
+        settings.check().map_err(|e| match &self.clearance {
+            Some(_) => Failure::Usage(e.within("--clearance")),
+            None => Failure::Input(e.within(named())),
+        })?;
         Ok(settings)
     }
 

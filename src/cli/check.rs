@@ -6,13 +6,14 @@
 use super::arguments::Check;
 use super::inputs::{BodyInput, PatternInput};
 use super::{Failure, Status};
-use crate::Warning;
 use crate::arrangement::{arrange, check_placement, placed};
 use crate::garment::Garment;
 use crate::geometry::Vector3;
 use crate::io::length::describe;
 use crate::pattern::Pattern;
-use std::fmt::Write;
+use crate::{Error, Warning};
+use std::fmt::Write as _;
+use std::io::Write as _;
 
 /// Sides of a seam that differ by more than this share are mentioned: the one is gathered or eased.
 const UNEQUAL: f64 = 0.01;
@@ -58,9 +59,18 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
         1 => "nothing wrong, 1 thing to know:".to_owned(),
         n => format!("nothing wrong, {n} things to know:"),
     };
-    println!("{text}{verdict}");
-    doubts.iter().for_each(|doubt| println!("  - {doubt}"));
-    Ok(Status::Fine)
+    let _ = writeln!(text, "{verdict}");
+    for doubt in &doubts {
+        let _ = writeln!(text, "  - {doubt}");
+    }
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        // Whoever closed the pipe has read enough.
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::new(format!("The findings cannot be written ({e})."), "Make room, or write them elsewhere.")
+                .into())
+        }
+        _ => Ok(Status::Fine),
+    }
 }
 
 fn told(warning: &Warning) -> String {

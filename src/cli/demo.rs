@@ -13,7 +13,7 @@ pub fn run(asked: &Demo) -> Result<Status, Failure> {
         Garment::Tee => ("tee", embedded::TEE),
         Garment::Dress => ("dress", embedded::DRESS),
     };
-    let pattern = PatternInput::parse(text.to_owned(), name)?;
+    let pattern = PatternInput::parse(text.to_owned(), name, "the embedded pattern")?;
     let body = BodyInput::parse(embedded::MANNEQUIN_OBJ, "mannequin")?;
     fit::fit(&pattern, &body, &settings, &asked.solving, &asked.out, started)
 }

@@ -39,7 +39,8 @@ pub fn fit(
     let warnings = tell(&warnings, silent);
 
     let mut watcher = Watcher::new(solving.progress);
-    let outcome = preposition(&pattern.pattern, &fabric, &body.body, settings, &mut watcher)?;
+    let outcome = preposition(&pattern.pattern, &fabric, &body.body, settings, &mut watcher)
+        .map_err(|e| e.within(&pattern.place))?;
     watcher.finish();
 
     let host = || Host {
@@ -91,10 +92,10 @@ fn summary(outcome: &Outcome, settings: &Settings, host: &Host, out: &Path) -> S
     let mut lines = vec![
         verdict,
         format!(
-            "  stretch mean {:.2} %, p99 {:.2} %; largest seam gap {:.3} mm; nearest to the body {:.2} mm; crossings: {} with the body, {} of the cloth",
+            "  stretch mean {:.2} %, p99 {:.2} %; seams welded from {:.2} mm apart; nearest to the body {:.2} mm; crossings: {} with the body, {} of the cloth",
             strain.mean * 100.0,
             strain.p99 * 100.0,
-            assessment.seams.largest * 1e3,
+            outcome.welded_gap.max(assessment.seams.largest) * 1e3,
             assessment.clearance.least * 1e3,
             assessment.intersections.body_pairs,
             assessment.intersections.cloth_pairs,

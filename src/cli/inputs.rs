@@ -11,6 +11,8 @@ use std::path::Path;
 /// A pattern, the text it came from, and what to call it.
 pub struct PatternInput {
     pub pattern: Pattern,
+    /// The file, for messages.
+    pub place: String,
     pub text: String,
     pub sha256: String,
     pub warnings: Vec<Warning>,
@@ -19,12 +21,13 @@ pub struct PatternInput {
 impl PatternInput {
     /// Reads a pattern file.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        Self::parse(read::text(path)?, &name_of(path)).map_err(|e| e.within(path.display()))
+        let place = path.display().to_string();
+        Self::parse(read::text(path)?, &name_of(path), &place).map_err(|e| e.within(place))
     }
 
-    pub fn parse(text: String, name: &str) -> Result<Self, Error> {
+    pub fn parse(text: String, name: &str, place: &str) -> Result<Self, Error> {
         let (pattern, warnings) = garmentcode::parse(&text, name)?;
-        Ok(Self { pattern, sha256: read::sha256_hex(text.as_bytes()), text, warnings })
+        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(text.as_bytes()), text, warnings })
     }
 }
 

@@ -30,7 +30,7 @@ pub enum Status {
 
 impl From<Status> for ExitCode {
     fn from(status: Status) -> Self {
-        // 1, our own fault, is what a panic gives; 130 is what a shell says of an interrupt.
+        // 1 is our own fault, see `run`; 130 is what a shell says of an interrupt.
         ExitCode::from(match status {
             Status::Fine => 0,
             Status::Usage => 2,
@@ -57,10 +57,11 @@ impl From<crate::Error> for Failure {
 
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Demo(demo) => demo::run(&demo),
-        Command::Fit(fit) => fit::run(&fit),
-        Command::Check(check) => check::run(&check),
+    let command = Arguments::parse().command;
+    // What fails here is an assertion of ours; its message is out already.
+    let Ok(outcome) = std::panic::catch_unwind(|| execute(&command)) else {
+        eprintln!("This is a fault of toile itself. Please report it with the message above and the files.");
+        return ExitCode::from(1);
     };
     match outcome {
         Ok(status) => status.into(),
@@ -72,5 +73,13 @@ pub fn run() -> ExitCode {
             complaint::print(&error);
             Status::InvalidInput.into()
         }
+    }
+}
+
+fn execute(command: &Command) -> Result<Status, Failure> {
+    match command {
+        Command::Demo(demo) => demo::run(demo),
+        Command::Fit(fit) => fit::run(fit),
+        Command::Check(check) => check::run(check),
     }
 }

@@ -25,8 +25,10 @@ pub struct Run<'a> {
 
 /// Makes the folder if it is not there.
 pub fn prepare(out: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(out).map_err(|e| {
-        Error::new(format!("The folder for the results cannot be made ({e})."), "Give another folder with --out.")
+    let made = std::fs::create_dir_all(out);
+    let probe = out.join(format!(".toile-{}", std::process::id()));
+    made.and_then(|()| std::fs::write(&probe, b"")).and_then(|()| std::fs::remove_file(&probe)).map_err(|e| {
+        Error::new(format!("The folder for the results cannot be written to ({e})."), "Give another folder with --out.")
             .within(out.display())
     })
 }

@@ -50,11 +50,15 @@ struct Touch {
 }
 
 /// The last place where a particle was found to touch nothing.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Sighting {
     place: Vector3,
     /// Distance of the place from the body, at least, m.
     distance: f64,
+}
+
+impl Sighting {
+    const NONE: Sighting = Sighting { place: Vector3::new(0.0, 0.0, 0.0), distance: f64::NEG_INFINITY };
 }
 
 /// Where a sample sticks.
@@ -114,7 +118,7 @@ impl<'a> BodyContact<'a> {
             middles,
             touches: vec![Touch::default(); count],
             anchors: vec![None; count],
-            sightings: vec![Sighting::default(); level.particle_count],
+            sightings: vec![Sighting::NONE; level.particle_count],
         }
     }
 
@@ -303,7 +307,7 @@ fn sighted(field: &DistanceField, position: Vector3, clearance: f64, last: &mut 
     }
     match field.sample_below(position, clearance) {
         Ok(s) => {
-            last.distance = f64::NEG_INFINITY;
+            *last = Sighting::NONE;
             Touch { normal: s.gradient, depth: clearance - s.distance }
         }
         Err(distance) => {

@@ -5,7 +5,7 @@ use super::Scene;
 use super::problem::Relaxation;
 use crate::assess::body_intersections;
 use crate::geometry::Vector3;
-use crate::minimize::{ConjugateGradient, Settings as Steps};
+use crate::minimize::{ConjugateGradient, Problem, Settings as Steps};
 
 /// Rounds of holding, looking and widening.
 const MOST_ROUNDS: usize = 12;
@@ -18,31 +18,38 @@ const LIMB_RADIUS: f64 = 0.06;
 /// Evaluations that smooth what a round has moved.
 const EVALUATIONS_PER_ROUND: usize = 15;
 
-/// Takes every particle out to its clearance and every triangle out of the body. Returns whether
-/// anything had to be moved.
-pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) -> bool {
+/// What clearing the body took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Clearing {
+    pub moved: bool,
+    pub evaluations: usize,
+}
+
+/// Takes every particle out to its clearance and every triangle out of the body.
+pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) -> Clearing {
     let cloth = &scene.garment.levels[level];
     let mut minimizer = ConjugateGradient::new(positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
     let widening = LEAST_WIDENING.max(WIDENING_SHARE * cloth.resolution.powi(2) / (8.0 * LIMB_RADIUS));
-    let mut moved = false;
+    let mut clearing = Clearing::default();
     for _ in 0..MOST_ROUNDS {
-        moved |= hold(problem, positions);
+        clearing.moved |= hold(problem, positions);
         let pierced = body_intersections(cloth, positions, scene.body);
         if pierced.is_empty() {
-            return moved;
+            return clearing;
         }
         let mut particles: Vec<u32> = pierced.iter().flat_map(|&[t, _]| cloth.particles(t as usize)).collect();
         particles.sort_unstable();
         particles.dedup();
         problem.body.widen(particles, widening);
         hold(problem, positions);
-        minimizer.run(problem, positions, &steps, |_| false);
+        clearing.evaluations += minimizer.run(problem, positions, &steps, |_| false).2;
+        problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
         problem.body.correct(positions);
-        moved = true;
+        clearing.moved = true;
     }
     hold(problem, positions);
-    moved
+    clearing
 }
 
 /// Is no particle in the body, and no triangle across its surface?

@@ -56,13 +56,14 @@ pub fn relax(
     } else {
         coarsely(scene, level, &mut problem, &mut run, positions, budget, observer)
     };
+    let residual = residual_at(&mut problem, positions);
     let summary = LevelSummary {
         resolution: cloth.resolution,
         particles: cloth.particle_count,
         triangles: cloth.triangles.len(),
         evaluations: run.evaluations,
         energies: problem.terms,
-        residual: residual_at(&mut problem, positions),
+        residual,
         termination,
         starting_intersections,
         curve: run.curve,
@@ -108,7 +109,7 @@ fn settle(
         settings.until == FinishLine::Equilibrium
             && residual_at(problem, positions).rms <= settings.equilibrium_residual
     };
-    let (mut let_go, mut clearings) = (false, 0);
+    let (mut let_go, mut clearings, mut stalled) = (false, 0, 0);
     while run.evaluations < budget {
         let most = RUN_LENGTH.min(budget - run.evaluations);
         let termination = run.steps(scene, level, problem, positions, most, observer);
@@ -119,25 +120,39 @@ fn settle(
             problem.energy.holds.clear();
             problem.update_diagonal();
         }
+        // The last trial may have been rejected; contact is to be that of the positions.
+        residual_at(problem, positions);
         problem.body.correct(positions);
         problem.body.update_anchors(positions);
         if balanced(problem, positions) {
             // In a crease of the body there may be no place that is clear of both its sides; a state in
             // balance that crosses nothing is then the better one.
-            let settled = clearings >= MOST_CLEARINGS && finish::is_clear(scene, level, positions);
-            if settled || !finish::clear_body(scene, level, problem, positions) {
+            if clearings >= MOST_CLEARINGS && finish::is_clear(scene, level, positions) {
+                return Termination::Converged;
+            }
+            let clearing = finish::clear_body(scene, level, problem, positions);
+            run.evaluations += clearing.evaluations;
+            if !clearing.moved {
                 return Termination::Converged;
             }
             clearings += 1;
         }
-        if termination == Termination::Stalled {
+        // Corrected contact may give way once more.
+        stalled = if termination == Termination::Stalled { stalled + 1 } else { 0 };
+        if stalled > MOST_STALLS {
             break;
         }
     }
-    finish::clear_body(scene, level, problem, positions);
-    if balanced(problem, positions) { Termination::Converged } else { Termination::Budget }
+    run.evaluations += finish::clear_body(scene, level, problem, positions).evaluations;
+    match (balanced(problem, positions), stalled > MOST_STALLS) {
+        (true, _) => Termination::Converged,
+        (false, true) => Termination::Stalled,
+        (false, false) => Termination::Budget,
+    }
 }
 
+/// How often in succession a run may stall before the level is given up.
+const MOST_STALLS: usize = 3;
 /// How often a balanced state is moved for the last of its clearance.
 const MOST_CLEARINGS: usize = 4;
 
