@@ -45,5 +45,5 @@ for mm in "${resolutions[@]}"; do
         printf '```\n'
     } >> "$page"
 done
-[ ! -f docs/results.notes.md ] || { printf '\n'; cat docs/results.notes.md; } >> "$page"
+[ ! -f benches/results.notes.md ] || { printf '\n'; cat benches/results.notes.md; } >> "$page"
 cp "$page" docs/results.md

@@ -68,8 +68,11 @@ pub struct Check {
     #[arg(long, value_name = "OBJ")]
     pub body: Option<PathBuf>,
     /// Resolution at which the pattern will be fitted [default: "10 mm"]
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "levels")]
     pub resolution: Option<String>,
+    /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
+    #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
+    pub levels: Option<String>,
 }
 
 /// How to solve; what is not given is taken from the settings file, or else has its default.
@@ -174,16 +177,17 @@ impl Solving {
 }
 
 impl Check {
-    /// The resolution at which the pattern is tried, m.
-    pub fn settings(&self) -> Result<Settings, Failure> {
-        let resolution = match &self.resolution {
-            Some(text) => length::parse(text).map_err(|e| Failure::Usage(e.within("--resolution")))?,
-            None => DEFAULT_RESOLUTION,
+    /// The resolutions at which the pattern is tried, m, coarsest first.
+    pub fn resolutions(&self) -> Result<Vec<f64>, Failure> {
+        let (option, resolutions) = match (&self.levels, &self.resolution) {
+            (Some(levels), _) => ("--levels", length::parse_list(levels)),
+            (None, Some(finest)) => {
+                ("--resolution", length::parse(finest).map(|r| Settings::for_resolution(r).resolutions))
+            }
+            (None, None) => ("--resolution", Ok(Settings::for_resolution(DEFAULT_RESOLUTION).resolutions)),
         };
-        let settings = Settings::for_resolution(resolution);
-        crate::garment::check_resolutions(&settings.resolutions)
-            .map_err(|e| Failure::Usage(e.within("--resolution")))?;
-        Ok(settings)
+        let checked = resolutions.and_then(|r| crate::garment::check_resolutions(&r).map(|()| r));
+        checked.map_err(|e| Failure::Usage(e.within(option)))
     }
 }
 

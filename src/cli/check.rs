@@ -5,7 +5,7 @@
 
 use super::arguments::Check;
 use super::inputs::{BodyInput, PatternInput};
-use super::{Failure, Status};
+use super::{Failure, Status, complaint};
 use crate::arrangement::{arrange, check_placement, placed};
 use crate::garment::Garment;
 use crate::geometry::Vector3;
@@ -21,13 +21,38 @@ const UNEQUAL: f64 = 0.01;
 const FAR_MOVE: f64 = 0.03;
 
 pub fn run(asked: &Check) -> Result<Status, Failure> {
-    let settings = asked.settings()?;
-    let input = PatternInput::open(&asked.pattern)?;
+    let resolutions = asked.resolutions()?;
+    // What is wrong with the one file must not hide what is wrong with the other.
+    let mut errors: Vec<Error> = Vec::new();
+    let mut sound = |result: Result<_, Error>| result.map_err(|e| errors.push(e)).ok();
+    let opened = sound(PatternInput::open(&asked.pattern).and_then(|input| {
+        let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
+        built.map(|garment| (input, garment))
+    }));
+    let body = match asked.body.as_deref().map(BodyInput::open).transpose() {
+        Ok(body) => body,
+        Err(e) => {
+            errors.push(e);
+            None
+        }
+    };
+    if let (Some((input, _)), Some(body)) = (&opened, &body)
+        && let Err(e) = check_placement(&input.pattern, &body.body)
+    {
+        errors.push(e.within(&input.place));
+    }
+    errors.iter().for_each(complaint::print);
+    match opened {
+        Some((input, garment)) if errors.is_empty() => findings(&input, &garment, body.as_ref()),
+        _ => Ok(Status::InvalidInput),
+    }
+}
+
+/// Tells what the input is, and what is doubtful about it.
+fn findings(input: &PatternInput, garment: &Garment, body: Option<&BodyInput>) -> Result<Status, Failure> {
     let pattern = &input.pattern;
     let mut text = String::new();
     describe_pattern(&mut text, pattern);
-    let in_file = |e: crate::Error| e.within(asked.pattern.display());
-    let garment = Garment::build(pattern, &settings.resolutions).map_err(in_file)?;
     for level in &garment.levels {
         let _ = writeln!(
             text,
@@ -39,8 +64,7 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
     }
     let mut doubts: Vec<String> = input.warnings.iter().map(told).collect();
     doubts.extend(unequal_seams(pattern));
-    if let Some(path) = &asked.body {
-        let body = BodyInput::open(path)?;
+    if let Some(body) = body {
         doubts.extend(body.warnings.iter().map(told));
         let (low, high) = body.body.bounds();
         let _ = writeln!(
@@ -51,8 +75,7 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
             body.body.triangles().len(),
             high.y - low.y
         );
-        check_placement(pattern, &body.body).map_err(in_file)?;
-        doubts.extend(standing(pattern, &garment, &body));
+        doubts.extend(standing(pattern, garment, body));
     }
     let verdict = match doubts.len() {
         0 => "nothing wrong, nothing doubtful".to_owned(),

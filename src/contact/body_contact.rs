@@ -105,6 +105,11 @@ const LARGEST_OFFSET: f64 = 2e-3;
 /// tangential direction is the one in which cloth has to settle.
 const STICKING: f64 = 0.3;
 
+/// How far an edge of a length, m, cuts into a limb: a chord `h` over a radius `R` sags by `h²/8R`.
+pub fn sag(length: f64) -> f64 {
+    length * length / (8.0 * LIMB_RADIUS)
+}
+
 impl<'a> BodyContact<'a> {
     pub fn new(body: &'a Body, field: &'a DistanceField, level: &Level, settings: BodyContactSettings) -> Self {
         let middles = middles(level);
@@ -343,9 +348,7 @@ fn middles(level: &Level) -> Vec<Middle> {
             let tip = triangles[t].iter().position(|p| !edge.ends.contains(p))?;
             let rest = level.rest_corners(t);
             let length = (rest[(tip + 2) % 3] - rest[(tip + 1) % 3]).norm();
-            // A chord of length h over radius R sags by h²/8R.
-            let sag = length * length / (8.0 * LIMB_RADIUS);
-            (length > LONGEST_UNSAMPLED).then_some(Middle { ends: edge.ends, sag })
+            (length > LONGEST_UNSAMPLED).then_some(Middle { ends: edge.ends, sag: sag(length) })
         })
         .collect()
 }

@@ -3,5 +3,5 @@
 mod body_contact;
 mod self_contact;
 
-pub use body_contact::{BodyContact, BodyContactSettings};
+pub use body_contact::{BodyContact, BodyContactSettings, sag};
 pub use self_contact::{SelfContact, SelfContactSettings};

@@ -2,13 +2,15 @@
 //!
 //! The paper keeps particles apart from particles; edges then cross between them unless the
 //! clearance exceeds `h/√3`. We measure the distances of vertices to faces and of edges to edges,
-//! push apart what is nearer than the clearance, and bound how far each particle may move:
+//! push apart what is nearer than the clearance, and bound how the sides of a pair may move against
+//! each other:
 //!
-//! > from a state without intersections, if no particle moves farther than half of the least
-//! > distance of any pair that it is part of, nothing can have passed through anything
+//! > from a state without intersections, if the moves of no pair's particles, less their common mean,
+//! > add up to the pair's distance, nothing can have passed through anything    (theory, equation 15)
 //!
-//! (Offset Geometric Contact, Chen et al. 2025, section 3; the bound needs no continuous collision
-//! detection). Pairs and bounds are found anew when the bounds are used up.
+//! It needs no continuous collision detection. Offset Geometric Contact (Chen et al. 2025, section 3)
+//! bounds the moves themselves, which locks layers that move together. Pairs are found anew when
+//! particles have moved a share of the reach.
 
 use crate::garment::Level;
 use crate::geometry::{EdgeTable, RunTree, SegmentPair, Vector3, closest_between_segments, closest_on_triangle};
@@ -84,7 +86,6 @@ pub struct SelfContact {
     excused: Vec<Pair>,
     /// Where the particles were when the pairs were found.
     origin: Vec<Vector3>,
-    pub rebuilds: usize,
 }
 
 /// A pair in its own way.
@@ -175,13 +176,11 @@ impl SelfContact {
             found_distance: Vec::new(),
             excused: Vec::new(),
             origin: Vec::new(),
-            rebuilds: 0,
         }
     }
 
     /// Finds the near pairs at `positions`, which must be free of intersections.
     pub fn rebuild(&mut self, positions: &[Vector3]) {
-        self.rebuilds += 1;
         let first = self.origin.is_empty();
         self.origin = positions.to_vec();
         let (touching, found): (Vec<_>, Vec<_>) = self
@@ -191,10 +190,6 @@ impl SelfContact {
         self.excused = touching.into_iter().map(|(pair, _)| pair).collect();
         self.excused.sort_unstable();
         (self.pairs, self.found_distance) = found.into_iter().unzip();
-    }
-
-    pub fn pair_count(&self) -> usize {
-        self.pairs.len()
     }
 
     fn particles_of(&self, pair: Pair) -> [u32; 4] {

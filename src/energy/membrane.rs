@@ -139,7 +139,7 @@ impl Triangle {
         stretching + turning
     }
 
-    /// Stiffness that each corner feels, N/m: the trace of its block of the Hessian at rest, over
+    /// Stiffness that each corner feels, N/m: half the trace of its block of the Hessian at rest, over
     /// the two directions in the plane.
     pub fn diagonal(&self) -> [f64; 3] {
         let [k00, k11, k22, ..] = self.stiffness;

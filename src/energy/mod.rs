@@ -94,8 +94,6 @@ pub struct Energy {
     diagonal: Vec<f64>,
     /// m/s²; zero while the seams close.
     pub gravity: f64,
-    /// Multiplies the membrane stiffness: below one while a level is brought near its shape.
-    pub membrane_scale: f64,
     /// What closes the seams; nothing once they are closed.
     pub stitches: Stitches,
     /// What keeps parts of the garment up while it is put on.
@@ -121,7 +119,6 @@ impl Energy {
             masses,
             diagonal: Vec::new(),
             gravity: GRAVITY,
-            membrane_scale: 1.0,
             holds: Vec::new(),
         };
         energy.update_diagonal();
@@ -143,7 +140,7 @@ impl Energy {
         self.diagonal = self.quadratic.diagonal().to_vec();
         for triangle in &self.triangles {
             for (p, d) in triangle.particles.iter().zip(triangle.diagonal()) {
-                self.diagonal[*p as usize] += d * self.membrane_scale;
+                self.diagonal[*p as usize] += d;
             }
         }
         for spring in &self.cross_springs {
@@ -156,7 +153,6 @@ impl Energy {
 
     /// Energy at `positions`, with its gradient, N, one per particle.
     pub fn evaluate(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) -> Terms {
-        let scale = self.membrane_scale;
         let membrane: Vec<f64> = self
             .triangles
             .par_chunks(CHUNK)
@@ -166,7 +162,7 @@ impl Energy {
                 for (triangle, at_corners) in triangles.iter().zip(at_corners) {
                     let (energy, pulls) = triangle.evaluate(triangle.particles.map(|p| positions[p as usize]));
                     sum += energy;
-                    *at_corners = pulls.map(|p| p * scale);
+                    *at_corners = pulls;
                 }
                 sum
             })
@@ -190,7 +186,7 @@ impl Energy {
             })
             .collect();
         let mut terms = Terms {
-            membrane: membrane.iter().sum::<f64>() * scale,
+            membrane: membrane.iter().sum(),
             bending: rest.iter().map(|r| r.0).sum(),
             sewing: 0.0,
             gravity: rest.iter().map(|r| r.1).sum(),
@@ -236,7 +232,7 @@ impl Energy {
             })
             .sum();
         let holds: f64 = self.holds.iter().map(|hold| hold.curvature(positions, direction)).sum();
-        membrane.iter().sum::<f64>() * self.membrane_scale
+        membrane.iter().sum::<f64>()
             + bending.iter().sum::<f64>()
             + springs
             + self.stitches.curvature(direction)
@@ -308,7 +304,6 @@ mod tests {
         let mut closing = Energy::new(&open, &fabric, model);
         closing.stitches.stiffness = 50.0;
         closing.stitches.lengths = (0..open.stitches.len()).map(|k| 0.005 * k as f64).collect();
-        closing.membrane_scale = 0.3;
         closing.update_diagonal();
         let open_at = lifted(&open, |p| on_cylinder(p, 0.06));
 

@@ -19,10 +19,10 @@ use triangulate::triangulate;
 
 /// The finest resolution that is of use, m; finer ones are a slip of the unit.
 pub const FINEST_RESOLUTION: f64 = 0.0005;
-/// The coarsest, m: a sleeve has a dozen particles around it.
+/// The coarsest, m: coarser than that a sleeve would have less than three edges around it.
 pub const COARSEST_RESOLUTION: f64 = 0.1;
 
-/// The most particles on a level: a long dress at one millimetre, eight gigabytes with all its levels.
+/// The most particles on a level: a long dress at one millimetre, five gigabytes with all its levels.
 pub const MOST_PARTICLES: f64 = 5e6;
 
 /// The pattern discretized on all its levels.

@@ -4,6 +4,7 @@
 use super::Scene;
 use super::problem::Relaxation;
 use crate::assess::body_intersections;
+use crate::contact::sag;
 use crate::geometry::Vector3;
 use crate::minimize::{ConjugateGradient, Problem, Settings as Steps};
 
@@ -13,8 +14,6 @@ const MOST_ROUNDS: usize = 12;
 const LEAST_WIDENING: f64 = 4e-4;
 /// The same for large triangles, as a share of how far an edge of theirs cuts into a limb.
 const WIDENING_SHARE: f64 = 0.3;
-/// Radius of such a limb, m.
-const LIMB_RADIUS: f64 = 0.06;
 /// Evaluations that smooth what a round has moved.
 const EVALUATIONS_PER_ROUND: usize = 15;
 
@@ -30,7 +29,7 @@ pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positio
     let cloth = &scene.garment.levels[level];
     let mut minimizer = ConjugateGradient::new(positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
-    let widening = LEAST_WIDENING.max(WIDENING_SHARE * cloth.resolution.powi(2) / (8.0 * LIMB_RADIUS));
+    let widening = LEAST_WIDENING.max(WIDENING_SHARE * sag(cloth.resolution));
     let mut clearing = Clearing::default();
     for _ in 0..MOST_ROUNDS {
         clearing.moved |= hold(problem, positions);

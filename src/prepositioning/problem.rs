@@ -28,18 +28,6 @@ impl<'a> Relaxation<'a> {
         let contact = self.body.diagonal();
         self.diagonal = self.energy.diagonal().iter().map(|d| d + contact).collect();
     }
-
-    /// Gradient lengths in particle weights: root mean square and maximum.
-    pub fn residual(&self, gradient: &[Vector3]) -> Residual {
-        let mut residual = Residual { rms: 0.0, max: 0.0 };
-        for (g, m) in gradient.iter().zip(self.energy.masses()) {
-            let weights = g.norm() / (m * GRAVITY);
-            residual.rms += weights * weights;
-            residual.max = residual.max.max(weights);
-        }
-        residual.rms = (residual.rms / gradient.len() as f64).sqrt();
-        residual
-    }
 }
 
 /// How far a state is from equilibrium, in particle weights.
@@ -47,6 +35,15 @@ impl<'a> Relaxation<'a> {
 pub struct Residual {
     pub rms: f64,
     pub max: f64,
+}
+
+impl Residual {
+    /// Lengths of the gradient, N, one per particle, over the weights of the particles, whose masses are in kg.
+    pub fn of(gradient: &[Vector3], masses: &[f64]) -> Self {
+        let weights = gradient.iter().zip(masses).map(|(g, m)| g.norm() / (m * GRAVITY));
+        let (sum, max) = weights.fold((0.0, 0.0_f64), |(sum, max), w| (sum + w * w, max.max(w)));
+        Self { rms: (sum / masses.len() as f64).sqrt(), max }
+    }
 }
 
 impl Problem for Relaxation<'_> {

@@ -159,7 +159,7 @@ const MOST_CLEARINGS: usize = 4;
 fn residual_at(problem: &mut Relaxation, positions: &[Vector3]) -> Residual {
     let mut gradient = vec![Vector3::zeros(); positions.len()];
     problem.evaluate(positions, &mut gradient);
-    problem.residual(&gradient)
+    Residual::of(&gradient, problem.energy.masses())
 }
 
 /// What is coarse is cheap and has the larger way to go: `most` evaluations from
@@ -235,7 +235,7 @@ impl Run {
         let before = self.evaluations;
         let curve = &mut self.curve;
         let (termination, _, spent) = self.minimizer.run(problem, positions, &steps, |iterate| {
-            let residual = rms_weights(iterate.gradient, &masses);
+            let residual = Residual::of(iterate.gradient, &masses).rms;
             let point = CurvePoint { evaluations: before + iterate.evaluations, energy: iterate.value, residual };
             curve.push(point);
             observer.event(&Event::Step { level, point });
@@ -244,9 +244,4 @@ impl Run {
         self.evaluations += spent;
         termination
     }
-}
-
-fn rms_weights(gradient: &[Vector3], masses: &[f64]) -> f64 {
-    let square = |(g, m): (&Vector3, &f64)| g.norm_squared() / (m * crate::energy::GRAVITY).powi(2);
-    (gradient.iter().zip(masses).map(square).sum::<f64>() / masses.len() as f64).sqrt()
 }
