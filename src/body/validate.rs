@@ -118,11 +118,14 @@ fn volume(positions: &[Vector3], triangles: &[[u32; 3]]) -> f64 {
     triangles.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0).sum()
 }
 
+/// Nobody is this many times as deep, from chest to back, as high.
+const LYING: f64 = 2.0;
+
 /// Is y up, and the head above the feet?
 fn check_upright(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
     let (low, high) = extent(positions);
     let size = high - low;
-    if size.z > 1.2 * size.y {
+    if size.z > LYING * size.y {
         return Err(Error::new(
             format!("The body lies along z: it is {:.2} m long there and {:.2} m high in y.", size.z, size.y),
             "Turn it so that y is up and it faces +z; many programs have z up and offer y up on export.",
