@@ -93,7 +93,7 @@ const LONGEST_UNSAMPLED: f64 = 0.022;
 const LIMB_RADIUS: f64 = 0.06;
 /// What may be missing from a clearance without being held out, m. A micrometre's move of one particle
 /// is a force of many times its weight; a state in balance is worth more than the last of them.
-pub const HOLD_TOLERANCE: f64 = 5e-5;
+const HOLD_TOLERANCE: f64 = 5e-5;
 /// Where a particle is as near to its clearance as this it aims no better, m: every correction is a
 /// new force, and corrections without end would never let the cloth come to rest.
 const CORRECTION_TOLERANCE: f64 = 2e-5;
@@ -233,7 +233,7 @@ impl<'a> BodyContact<'a> {
     }
 
     /// Moves that take each particle that is nearer than its clearance, by more than
-    /// [`HOLD_TOLERANCE`], out to it, by exact distances; zero for the others.
+    /// a twentieth of a millimetre, out to it, by exact distances; zero for the others.
     pub fn hold(&self, positions: &[Vector3]) -> Vec<Vector3> {
         // A second round serves creases, where moving out of one side leads to the other.
         const ROUNDS: usize = 3;
