@@ -102,9 +102,9 @@ pub fn hinge_form(level: &Level, hinge: &Hinge, fabric: &Fabric) -> HingeForm {
 pub struct CrossSpring {
     pub particles: [u32; 2],
     /// 1/m.
-    inverse_rest: f64,
+    pub(super) inverse_rest: f64,
     /// J.
-    stiffness: f64,
+    pub(super) stiffness: f64,
 }
 
 impl CrossSpring {
@@ -151,71 +151,5 @@ impl CrossSpring {
     /// N/m.
     pub fn diagonal(&self) -> f64 {
         self.stiffness * self.inverse_rest.powi(2)
-    }
-}
-
-/// The Hessian `Q` of all quadratic hinges: a sparse symmetric matrix with one row per particle, the
-/// same for x, y and z.
-pub struct QuadraticForm {
-    /// Where each particle's row starts in `columns` and `values`; one more than particles.
-    starts: Vec<u32>,
-    columns: Vec<u32>,
-    /// N/m.
-    values: Vec<f64>,
-    diagonal: Vec<f64>,
-}
-
-impl QuadraticForm {
-    pub fn new(particle_count: usize, forms: &[HingeForm]) -> Self {
-        let mut entries: Vec<(u32, u32, f64)> = Vec::with_capacity(16 * forms.len());
-        for form in forms {
-            for (i, &row) in form.particles.iter().enumerate() {
-                for (j, &column) in form.particles.iter().enumerate() {
-                    entries.push((row, column, form.coefficients[i] * form.coefficients[j]));
-                }
-            }
-        }
-        // Stable: entries of one place are added in the order of the hinges.
-        entries.sort_by_key(|&(row, column, _)| (row, column));
-        let mut form = Self {
-            starts: vec![0; particle_count + 1],
-            columns: Vec::new(),
-            values: Vec::new(),
-            diagonal: vec![0.0; particle_count],
-        };
-        let mut last = None;
-        for (row, column, value) in entries {
-            if last == Some((row, column)) {
-                *form.values.last_mut().expect("an entry was pushed") += value;
-            } else {
-                form.columns.push(column);
-                form.values.push(value);
-                form.starts[row as usize + 1] += 1;
-                last = Some((row, column));
-            }
-            if row == column {
-                form.diagonal[row as usize] += value;
-            }
-        }
-        for i in 0..particle_count {
-            form.starts[i + 1] += form.starts[i];
-        }
-        form
-    }
-
-    /// Row of a particle times positions, N.
-    #[inline]
-    pub fn row_times(&self, particle: usize, positions: &[Vector3]) -> Vector3 {
-        let range = self.starts[particle] as usize..self.starts[particle + 1] as usize;
-        let mut sum = Vector3::zeros();
-        for (&column, &value) in self.columns[range.clone()].iter().zip(&self.values[range]) {
-            sum += positions[column as usize] * value;
-        }
-        sum
-    }
-
-    /// N/m, one per particle.
-    pub fn diagonal(&self) -> &[f64] {
-        &self.diagonal
     }
 }

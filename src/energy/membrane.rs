@@ -16,11 +16,12 @@ use crate::garment::Level;
 use crate::geometry::{Vector2, Vector3};
 use crate::pattern::Fabric;
 use nalgebra::{Matrix3, matrix};
+use rayon::prelude::*;
 
 /// Springs shorter than this share of their rest length are treated as that long where the energy
 /// divides by the length: a collapsed edge has no direction, and a near-zero one would ruin the
 /// conditioning silently.
-const SHORTEST: f64 = 1e-3;
+pub(super) const SHORTEST: f64 = 1e-3;
 
 /// Which springs stand for the membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -41,9 +42,9 @@ const SPRING_SHARE: f64 = 1.0 + 2.0 / 16.0;
 pub struct Triangle {
     pub particles: [u32; 3],
     /// `1/L` of the edges opposite to each corner, 1/m.
-    inverse_rest: [f64; 3],
+    pub(super) inverse_rest: [f64; 3],
     /// `K`, J: (00, 11, 22, 12, 02, 01).
-    stiffness: [f64; 6],
+    pub(super) stiffness: [f64; 6],
 }
 
 /// The three edges of a triangle now: opposite to each corner, from the next corner to the one after.
@@ -155,6 +156,7 @@ pub fn triangles(level: &Level, fabric: &Fabric, membrane: Membrane) -> Vec<Tria
         eased[edge.triangle as usize][edge.tip as usize] = edge.ratio;
     }
     (0..level.triangles.len())
+        .into_par_iter()
         .map(|t| Triangle::new(level.particles(t), level.rest_corners(t), eased[t], fabric, membrane))
         .collect()
 }

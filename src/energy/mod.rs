@@ -1,23 +1,29 @@
 //! What positions cost, and the gradient of it: membrane, bending, sewing and gravity.
 //!
-//! Each term is a small pure function of a few points in a file of its own; here they are added up.
-//! Sums run in a fixed order, triangle by triangle and then particle by particle, so that a result
-//! has the same bytes on any number of threads.
+//! Each term is a small pure function of a few points in a file of its own; they are added up patch
+//! by patch (`patch.rs`). Sums run in a fixed order, so that a result has the same bytes on any number
+//! of threads.
 
 mod bending;
+mod block;
 mod hold;
+mod incidence;
+mod lanes;
 mod membrane;
+mod patch;
 mod stitch;
 
-pub use bending::{Bending, CrossSpring, HingeForm, QuadraticForm, hinge_form};
+pub use bending::{Bending, CrossSpring, HingeForm, hinge_form};
 pub use hold::Hold;
 pub use membrane::{Membrane, Triangle};
 pub use stitch::Stitches;
 
 use crate::garment::Level;
 use crate::geometry::Vector3;
-use crate::minimize::CHUNK;
 use crate::pattern::Fabric;
+use incidence::Incidence;
+use patch::{Cloth, PATCH, Patch, PatchTerms, Scratch};
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Which formulas stand for the cloth.
@@ -45,52 +51,15 @@ impl Terms {
     }
 }
 
-/// For each particle the triangle corners that are its own, for gathering what triangles computed.
-pub struct Corners {
-    starts: Vec<u32>,
-    /// `3 * triangle + corner`.
-    slots: Vec<u32>,
-}
-
-impl Corners {
-    pub fn new(particle_count: usize, triangles: impl Iterator<Item = [u32; 3]> + Clone) -> Self {
-        let mut starts = vec![0u32; particle_count + 1];
-        for p in triangles.clone().flatten() {
-            starts[p as usize + 1] += 1;
-        }
-        for i in 0..particle_count {
-            starts[i + 1] += starts[i];
-        }
-        let mut next = starts.clone();
-        let mut slots = vec![0; starts[particle_count] as usize];
-        for (slot, p) in triangles.flatten().enumerate() {
-            slots[next[p as usize] as usize] = slot as u32;
-            next[p as usize] += 1;
-        }
-        Self { starts, slots }
-    }
-
-    /// Sum of a particle's shares of `at_corners`.
-    #[inline]
-    pub fn gather(&self, particle: usize, at_corners: &[[Vector3; 3]]) -> Vector3 {
-        let range = self.starts[particle] as usize..self.starts[particle + 1] as usize;
-        let mut sum = Vector3::zeros();
-        for &slot in &self.slots[range] {
-            sum += at_corners[slot as usize / 3][slot as usize % 3];
-        }
-        sum
-    }
-}
-
-/// The energy of cloth on one level, with the memory to evaluate it.
+/// The energy of cloth on one level, ready to be evaluated.
 pub struct Energy {
-    triangles: Vec<Triangle>,
-    corners: Corners,
-    at_corners: Vec<[Vector3; 3]>,
-    quadratic: QuadraticForm,
-    cross_springs: Vec<CrossSpring>,
+    patches: Vec<Patch>,
+    /// Which instructions the processor has.
+    arch: Arch,
     /// kg, one per particle.
     masses: Vec<f64>,
+    /// The part of the diagonal that never changes, N/m.
+    elastic_diagonal: Vec<f64>,
     diagonal: Vec<f64>,
     /// m/s²; zero while the seams close.
     pub gravity: f64,
@@ -103,22 +72,21 @@ pub struct Energy {
 impl Energy {
     pub fn new(level: &Level, fabric: &Fabric, model: Model) -> Self {
         let triangles = membrane::triangles(level, fabric, model.membrane);
-        let corners = Corners::new(level.particle_count, triangles.iter().map(|t| t.particles));
-        let (forms, cross_springs): (Vec<_>, Vec<_>) = match model.bending {
-            Bending::Quadratic => (level.hinges.iter().map(|h| hinge_form(level, h, fabric)).collect(), Vec::new()),
-            Bending::Springs => (Vec::new(), level.hinges.iter().map(|h| CrossSpring::of(level, h, fabric)).collect()),
+        let hinges = level.hinges.par_iter();
+        let (forms, springs): (Vec<_>, Vec<_>) = match model.bending {
+            Bending::Quadratic => (hinges.map(|h| hinge_form(level, h, fabric)).collect(), Vec::new()),
+            Bending::Springs => (Vec::new(), hinges.map(|h| CrossSpring::of(level, h, fabric)).collect()),
         };
-        let masses = level.particle_areas().iter().map(|a| a * fabric.areal_density).collect();
+        let hinges_at = Incidence::new(level.particle_count, forms.iter().map(|f| f.particles));
+        let cloth = Cloth { triangles: &triangles, forms: &forms, springs: &springs, hinges_at: &hinges_at };
         let mut energy = Self {
-            at_corners: vec![[Vector3::zeros(); 3]; triangles.len()],
-            triangles,
-            corners,
-            quadratic: QuadraticForm::new(level.particle_count, &forms),
-            cross_springs,
-            stitches: Stitches::new(level.stitches.clone()),
-            masses,
+            patches: Patch::all(level.particle_count, &cloth),
+            arch: Arch::new(),
+            masses: level.particle_areas().iter().map(|a| a * fabric.areal_density).collect(),
+            elastic_diagonal: elastic_diagonal(level.particle_count, &cloth),
             diagonal: Vec::new(),
             gravity: GRAVITY,
+            stitches: Stitches::new(level.stitches.clone()),
             holds: Vec::new(),
         };
         energy.update_diagonal();
@@ -137,68 +105,26 @@ impl Energy {
     }
 
     pub fn update_diagonal(&mut self) {
-        self.diagonal = self.quadratic.diagonal().to_vec();
-        for triangle in &self.triangles {
-            for (p, d) in triangle.particles.iter().zip(triangle.diagonal()) {
-                self.diagonal[*p as usize] += d;
-            }
-        }
-        for spring in &self.cross_springs {
-            for p in spring.particles {
-                self.diagonal[p as usize] += spring.diagonal();
-            }
-        }
+        self.diagonal.clone_from(&self.elastic_diagonal);
         self.stitches.add_diagonal(&mut self.diagonal);
     }
 
     /// Energy at `positions`, with its gradient, N, one per particle.
     pub fn evaluate(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) -> Terms {
-        let membrane: Vec<f64> = self
-            .triangles
-            .par_chunks(CHUNK)
-            .zip(self.at_corners.par_chunks_mut(CHUNK))
-            .map(|(triangles, at_corners)| {
-                let mut sum = 0.0;
-                for (triangle, at_corners) in triangles.iter().zip(at_corners) {
-                    let (energy, pulls) = triangle.evaluate(triangle.particles.map(|p| positions[p as usize]));
-                    sum += energy;
-                    *at_corners = pulls;
-                }
-                sum
-            })
-            .collect();
-        let (corners, at_corners, quadratic) = (&self.corners, &self.at_corners, &self.quadratic);
-        let (masses, weight) = (&self.masses, self.gravity);
-        let rest: Vec<(f64, f64)> = gradient
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(chunk, gradient)| {
-                let mut sums = (0.0, 0.0);
-                for (k, g) in gradient.iter_mut().enumerate() {
-                    let p = chunk * CHUNK + k;
-                    let bent = quadratic.row_times(p, positions);
-                    let pull = masses[p] * weight;
-                    sums.0 += 0.5 * bent.dot(&positions[p]);
-                    sums.1 += pull * positions[p].y;
-                    *g = corners.gather(p, at_corners) + bent + Vector3::new(0.0, pull, 0.0);
-                }
-                sums
+        let (arch, masses, gravity) = (self.arch, &self.masses, self.gravity);
+        let patches = self.patches.par_iter().zip(gradient.par_chunks_mut(PATCH));
+        let sums: Vec<PatchTerms> = patches
+            .map_init(Scratch::default, |scratch, (patch, gradient)| {
+                arch.dispatch(Evaluate { patch, positions, masses, gravity, gradient, scratch })
             })
             .collect();
         let mut terms = Terms {
-            membrane: membrane.iter().sum(),
-            bending: rest.iter().map(|r| r.0).sum(),
+            membrane: sums.iter().map(|s| s.membrane).sum(),
+            bending: sums.iter().map(|s| s.bending).sum(),
             sewing: 0.0,
-            gravity: rest.iter().map(|r| r.1).sum(),
+            gravity: sums.iter().map(|s| s.gravity).sum(),
         };
-        // Few or none: the baseline's springs, and stitches of the open coarsest level.
-        for spring in &self.cross_springs {
-            let [a, b] = spring.particles.map(|p| p as usize);
-            let (energy, pull) = spring.evaluate([positions[a], positions[b]]);
-            terms.bending += energy;
-            gradient[a] -= pull;
-            gradient[b] += pull;
-        }
+        // Few or none: stitches of the open coarsest level, and what is held.
         terms.sewing = self.stitches.evaluate(positions, gradient)
             + self.holds.iter().map(|hold| hold.evaluate(positions, gradient)).sum::<f64>();
         terms
@@ -206,37 +132,73 @@ impl Energy {
 
     /// `dᵀ H d` at `positions` without what buckling would make negative, N·m per unit squared.
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
-        let membrane: Vec<f64> = self
-            .triangles
-            .par_chunks(CHUNK)
-            .map(|triangles| {
-                let curvature = |t: &Triangle| {
-                    t.curvature(t.particles.map(|p| positions[p as usize]), t.particles.map(|p| direction[p as usize]))
-                };
-                triangles.iter().map(curvature).sum()
+        let arch = self.arch;
+        let elastic: Vec<f64> = self
+            .patches
+            .par_iter()
+            .map_init(Scratch::default, |scratch, patch| {
+                arch.dispatch(Curvature { patch, positions, direction, scratch })
             })
             .collect();
-        let bending: Vec<f64> = direction
-            .par_chunks(CHUNK)
-            .enumerate()
-            .map(|(chunk, along)| {
-                let row = |(k, d): (usize, &Vector3)| self.quadratic.row_times(chunk * CHUNK + k, direction).dot(d);
-                along.iter().enumerate().map(row).sum()
-            })
-            .collect();
-        let springs: f64 = self
-            .cross_springs
-            .iter()
-            .map(|s| {
-                s.curvature(s.particles.map(|p| positions[p as usize]), s.particles.map(|p| direction[p as usize]))
-            })
-            .sum();
         let holds: f64 = self.holds.iter().map(|hold| hold.curvature(positions, direction)).sum();
-        membrane.iter().sum::<f64>()
-            + bending.iter().sum::<f64>()
-            + springs
-            + self.stitches.curvature(direction)
-            + holds
+        elastic.iter().sum::<f64>() + self.stitches.curvature(direction) + holds
+    }
+}
+
+/// Half the trace of the stiffnesses in the plane, and what bending adds, N/m, one per particle.
+fn elastic_diagonal(particle_count: usize, cloth: &Cloth) -> Vec<f64> {
+    let mut diagonal = vec![0.0; particle_count];
+    for form in cloth.forms {
+        for (&p, c) in form.particles.iter().zip(form.coefficients) {
+            diagonal[p as usize] += c * c;
+        }
+    }
+    for triangle in cloth.triangles {
+        for (p, d) in triangle.particles.iter().zip(triangle.diagonal()) {
+            diagonal[*p as usize] += d;
+        }
+    }
+    for spring in cloth.springs {
+        for p in spring.particles {
+            diagonal[p as usize] += spring.diagonal();
+        }
+    }
+    diagonal
+}
+
+/// [`Patch::evaluate`], for the instructions that the processor has.
+struct Evaluate<'a> {
+    patch: &'a Patch,
+    positions: &'a [Vector3],
+    masses: &'a [f64],
+    gravity: f64,
+    gradient: &'a mut [Vector3],
+    scratch: &'a mut Scratch,
+}
+
+impl NullaryFnOnce for Evaluate<'_> {
+    type Output = PatchTerms;
+
+    #[inline(always)]
+    fn call(self) -> PatchTerms {
+        self.patch.evaluate(self.positions, self.masses, self.gravity, self.gradient, self.scratch)
+    }
+}
+
+/// [`Patch::curvature`], for the instructions that the processor has.
+struct Curvature<'a> {
+    patch: &'a Patch,
+    positions: &'a [Vector3],
+    direction: &'a [Vector3],
+    scratch: &'a mut Scratch,
+}
+
+impl NullaryFnOnce for Curvature<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        self.patch.curvature(self.positions, self.direction, self.scratch)
     }
 }
 
@@ -369,6 +331,90 @@ mod tests {
                 let exact = model.membrane == Membrane::Springs && name != "open tube";
                 assert!(ours > (1.0 - 1e-6) * second, "{model:?}, {name}: {ours} is below {second}");
                 assert!(!exact || ours < (1.0 + 1e-6) * second, "{model:?}, {name}: {ours} is above {second}");
+            }
+        }
+    }
+
+    /// Energy, gradient and curvature, triangle by triangle and hinge by hinge.
+    fn plainly(
+        level: &Level,
+        fabric: &Fabric,
+        model: Model,
+        x: &[Vector3],
+        d: &[Vector3],
+    ) -> (Terms, Vec<Vector3>, f64) {
+        let (mut terms, mut gradient, mut curvature) = (Terms::default(), vec![Vector3::zeros(); x.len()], 0.0);
+        for t in membrane::triangles(level, fabric, model.membrane) {
+            let (energy, pulls) = t.evaluate(t.particles.map(|p| x[p as usize]));
+            terms.membrane += energy;
+            t.particles.iter().zip(pulls).for_each(|(&p, pull)| gradient[p as usize] += pull);
+            curvature += t.curvature(t.particles.map(|p| x[p as usize]), t.particles.map(|p| d[p as usize]));
+        }
+        for hinge in &level.hinges {
+            if model.bending == Bending::Quadratic {
+                let form = hinge_form(level, hinge, fabric);
+                let bent = |v: &[Vector3]| -> Vector3 {
+                    form.particles.iter().zip(form.coefficients).map(|(&p, c)| v[p as usize] * c).sum()
+                };
+                terms.bending += 0.5 * bent(x).norm_squared();
+                form.particles.iter().zip(form.coefficients).for_each(|(&p, c)| gradient[p as usize] += bent(x) * c);
+                curvature += bent(d).norm_squared();
+            } else {
+                let spring = CrossSpring::of(level, hinge, fabric);
+                let [a, b] = spring.particles.map(|p| p as usize);
+                let (energy, pull) = spring.evaluate([x[a], x[b]]);
+                terms.bending += energy;
+                gradient[a] -= pull;
+                gradient[b] += pull;
+                curvature += spring.curvature([x[a], x[b]], [d[a], d[b]]);
+            }
+        }
+        (terms, gradient, curvature)
+    }
+
+    #[test]
+    fn patches_of_blocks_compute_what_single_triangles_and_hinges_do() {
+        let level = sewn(&shapes::tube(0.6, 0.4), 0.009);
+        assert!(level.particle_count > 2 * PATCH, "{} particles fill too few patches", level.particle_count);
+        let fabric = Fabric::default();
+        let rolled = lifted(&level, |p| on_cylinder(p, 0.6 / std::f64::consts::TAU));
+        let mut positions = moved(&rolled, &noise(rolled.len(), 0.002), 1.0);
+        // A collapsed edge, which has no direction.
+        let [a, b, _] = level.particles(0).map(|p| p as usize);
+        positions[a] = positions[b];
+        let direction = noise(positions.len(), 1.0);
+        for model in MODELS {
+            let mut energy = Energy::new(&level, &fabric, model);
+            energy.gravity = 0.0;
+            let mut gradient = vec![Vector3::repeat(f64::NAN); positions.len()];
+            let terms = energy.evaluate(&positions, &mut gradient);
+            let curvature = energy.curvature(&positions, &direction);
+            let (plain, plain_gradient, plain_curvature) = plainly(&level, &fabric, model, &positions, &direction);
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.abs();
+            assert!(
+                close(terms.membrane, plain.membrane) && close(terms.bending, plain.bending),
+                "{terms:?}, {plain:?}"
+            );
+            assert!(close(curvature, plain_curvature), "{model:?}: {curvature} is not {plain_curvature}");
+            let scale = plain_gradient.iter().map(|g| g.norm()).fold(0.0, f64::max);
+            for (p, (ours, plain)) in gradient.iter().zip(&plain_gradient).enumerate() {
+                assert!((ours - plain).norm() < 1e-10 * scale, "{model:?}, particle {p}: {ours} is not {plain}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bytes() {
+        for model in MODELS {
+            for (name, mut energy, positions) in scenes(model) {
+                let direction = noise(positions.len(), 1.0);
+                let mut run = |arch| {
+                    energy.arch = arch;
+                    let mut gradient = vec![Vector3::zeros(); positions.len()];
+                    let terms = energy.evaluate(&positions, &mut gradient);
+                    (terms, gradient, energy.curvature(&positions, &direction))
+                };
+                assert!(run(Arch::new()) == run(Arch::Scalar), "{model:?}, {name}");
             }
         }
     }

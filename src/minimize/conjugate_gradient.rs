@@ -6,7 +6,7 @@
 //! taken back and halved, so accepted steps never raise it. Moves are capped point by point; a
 //! capped step has left the direction, and the next one starts afresh.
 
-use super::{CHUNK, Iterate, LEAST_CHUNKS, Problem, Termination, dot};
+use super::{CHUNK, Iterate, LEAST_CHUNKS, Problem, Termination};
 use crate::geometry::Vector3;
 use rayon::prelude::*;
 
@@ -48,33 +48,31 @@ impl ConjugateGradient {
         let mut value = problem.evaluate(points, &mut self.gradient);
         let mut evaluations = 1;
         let mut since_restart = 0;
-        let mut gz = 0.0;
+        let mut along = Along::default();
         loop {
             if done(&Iterate { points, gradient: &self.gradient, value, evaluations }) {
                 return (Termination::Converged, value, evaluations);
             }
-            if since_restart == 0 {
-                gz = steepest(&self.gradient, problem.diagonal(), &mut self.direction);
-            }
-            let mut slope = dot(&self.gradient, &self.direction);
-            if slope >= 0.0 && since_restart > 0 {
-                gz = steepest(&self.gradient, problem.diagonal(), &mut self.direction);
-                slope = dot(&self.gradient, &self.direction);
+            if since_restart == 0 || along.slope >= 0.0 {
+                along = steepest(&self.gradient, problem.diagonal(), &mut self.direction);
                 since_restart = 0;
             }
-            if slope >= 0.0 {
+            if along.slope >= 0.0 {
                 return (Termination::Stalled, value, evaluations);
             }
             let curvature = problem.curvature(points, &self.direction);
-            let mut step = if curvature > 0.0 { -slope / curvature } else { 1.0 };
+            let mut step = if curvature > 0.0 { -along.slope / curvature } else { 1.0 };
             let mut halvings = 0;
             let shortened = loop {
                 if evaluations >= settings.evaluations {
                     return (Termination::Budget, value, evaluations);
                 }
-                let capped = cap(&self.direction, step, settings.largest_move, &mut self.moves);
+                let capped =
+                    move_on(points, &self.direction, step, settings.largest_move, &mut self.moves, &mut self.trial);
                 let limited = problem.limit(points, &mut self.moves);
-                add(points, &self.moves, &mut self.trial);
+                if limited {
+                    add(points, &self.moves, &mut self.trial);
+                }
                 let trial_value = problem.evaluate(&self.trial, &mut self.trial_gradient);
                 evaluations += 1;
                 // Equal values are accepted: near the bottom rounding hides the descent.
@@ -99,50 +97,71 @@ impl ConjugateGradient {
                 std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
                 continue;
             }
-            gz = self.advance(problem.diagonal(), gz);
+            along = self.advance(problem.diagonal(), along.gz);
         }
     }
 
     /// The next direction: `d ← -z + β d` with `z = g / diagonal` and `β = max(0, z·(g - g_old)) / (g_old·z_old)`.
-    fn advance(&mut self, diagonal: &[f64], gz_old: f64) -> f64 {
+    fn advance(&mut self, diagonal: &[f64], gz_old: f64) -> Along {
         let (new, old) = (&self.trial_gradient, &self.gradient);
-        let sums: Vec<(f64, f64)> = new
-            .par_chunks(CHUNK)
-            .zip(old.par_chunks(CHUNK))
-            .zip(diagonal.par_chunks(CHUNK))
-            .with_min_len(LEAST_CHUNKS)
-            .map(|((new, old), diagonal)| {
-                let mut sums = (0.0, 0.0);
-                for ((new, old), d) in new.iter().zip(old).zip(diagonal) {
-                    sums.0 += new.norm_squared() / d;
-                    sums.1 += new.dot(old) / d;
-                }
-                sums
-            })
-            .collect();
-        let gz: f64 = sums.iter().map(|s| s.0).sum();
-        let mixed: f64 = sums.iter().map(|s| s.1).sum();
+        let chunks = new.par_chunks(CHUNK).zip(old.par_chunks(CHUNK)).zip(diagonal.par_chunks(CHUNK));
+        let sums = chunks.with_min_len(LEAST_CHUNKS).map(|((new, old), diagonal)| {
+            let mut sums = (0.0, 0.0);
+            for ((new, old), d) in new.iter().zip(old).zip(diagonal) {
+                let inverse = 1.0 / d;
+                sums.0 += new.norm_squared() * inverse;
+                sums.1 += new.dot(old) * inverse;
+            }
+            sums
+        });
+        let (gz, mixed) = in_order(sums);
         let beta = if gz_old > 0.0 { ((gz - mixed) / gz_old).max(0.0) } else { 0.0 };
         let chunks = self.direction.par_chunks_mut(CHUNK).zip(new.par_chunks(CHUNK)).zip(diagonal.par_chunks(CHUNK));
-        chunks.with_min_len(LEAST_CHUNKS).for_each(|((direction, new), diagonal)| {
+        let slopes = chunks.with_min_len(LEAST_CHUNKS).map(|((direction, new), diagonal)| {
+            let mut slope = 0.0;
             for ((direction, new), d) in direction.iter_mut().zip(new).zip(diagonal) {
-                *direction = *direction * beta - new / *d;
+                *direction = *direction * beta - new * (1.0 / d);
+                slope += direction.dot(new);
             }
+            (slope, 0.0)
         });
+        let (slope, _) = in_order(slopes);
         std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
-        gz
+        Along { gz, slope }
     }
+}
+
+/// Of a gradient and the direction that was made of it.
+#[derive(Clone, Copy, Default)]
+struct Along {
+    /// `g·g / diagonal`.
+    gz: f64,
+    /// `g·d`.
+    slope: f64,
 }
 
 /// How often a step is halved before the direction is given up: to a millionth of its length.
 const MOST_HALVINGS: usize = 20;
 
-/// `d = -g / diagonal`; returns `g·g / diagonal`.
-fn steepest(gradient: &[Vector3], diagonal: &[f64], direction: &mut [Vector3]) -> f64 {
-    for ((direction, gradient), d) in direction.iter_mut().zip(gradient).zip(diagonal) {
-        *direction = -gradient / *d;
-    }
-    -dot(gradient, direction)
+/// Sums of pairs, added in the order of their chunks.
+fn in_order(sums: impl IndexedParallelIterator<Item = (f64, f64)>) -> (f64, f64) {
+    let sums: Vec<(f64, f64)> = sums.collect();
+    sums.into_iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
+}
+
+/// `d = -g / diagonal`.
+fn steepest(gradient: &[Vector3], diagonal: &[f64], direction: &mut [Vector3]) -> Along {
+    let chunks = direction.par_chunks_mut(CHUNK).zip(gradient.par_chunks(CHUNK)).zip(diagonal.par_chunks(CHUNK));
+    let sums = chunks.with_min_len(LEAST_CHUNKS).map(|((direction, gradient), diagonal)| {
+        let mut sum = 0.0;
+        for ((direction, gradient), d) in direction.iter_mut().zip(gradient).zip(diagonal) {
+            *direction = -gradient * (1.0 / d);
+            sum -= gradient.dot(direction);
+        }
+        (sum, 0.0)
+    });
+    let (gz, _) = in_order(sums);
+    Along { gz, slope: -gz }
 }
 
 fn add(points: &[Vector3], moves: &[Vector3], sum: &mut [Vector3]) {
@@ -154,18 +173,28 @@ fn add(points: &[Vector3], moves: &[Vector3], sum: &mut [Vector3]) {
     });
 }
 
-/// `moves = step * direction`, none longer than `largest`; tells whether any was.
-fn cap(direction: &[Vector3], step: f64, largest: f64, moves: &mut [Vector3]) -> bool {
-    let chunks = moves.par_chunks_mut(CHUNK).zip(direction.par_chunks(CHUNK)).with_min_len(LEAST_CHUNKS);
-    let chunks = chunks.map(|(moves, direction)| {
+/// `moves = step * direction`, none longer than `largest`, and `trial = points + moves`; tells whether
+/// any was longer.
+fn move_on(
+    points: &[Vector3],
+    direction: &[Vector3],
+    step: f64,
+    largest: f64,
+    moves: &mut [Vector3],
+    trial: &mut [Vector3],
+) -> bool {
+    let chunks = moves.par_chunks_mut(CHUNK).zip(trial.par_chunks_mut(CHUNK));
+    let chunks = chunks.zip(direction.par_chunks(CHUNK)).zip(points.par_chunks(CHUNK)).with_min_len(LEAST_CHUNKS);
+    let chunks = chunks.map(|(((moves, trial), direction), points)| {
         let mut capped = false;
-        for (m, d) in moves.iter_mut().zip(direction) {
+        for (((m, t), d), p) in moves.iter_mut().zip(trial).zip(direction).zip(points) {
             *m = d * step;
-            let length = m.norm();
-            if length > largest {
-                *m *= largest / length;
+            // Few are too long: the root is left to them.
+            if m.norm_squared() > largest * largest {
+                *m *= largest / m.norm();
                 capped = true;
             }
+            *t = p + *m;
         }
         capped
     });

@@ -63,4 +63,4 @@ pub const CHUNK: usize = 2048;
 
 /// Sums and differences of vectors are so cheap that another thread is not worth waking for fewer
 /// chunks than this.
-const LEAST_CHUNKS: usize = 16;
+const LEAST_CHUNKS: usize = 4;

@@ -3,7 +3,8 @@
 use crate::contact::{BodyContact, SelfContact};
 use crate::energy::{Energy, GRAVITY, Terms};
 use crate::geometry::Vector3;
-use crate::minimize::Problem;
+use crate::minimize::{CHUNK, Problem};
+use rayon::prelude::*;
 
 /// Cloth of one level against the body and itself.
 pub struct Relaxation<'a> {
@@ -40,9 +41,16 @@ pub struct Residual {
 impl Residual {
     /// Lengths of the gradient, N, one per particle, over the weights of the particles, whose masses are in kg.
     pub fn of(gradient: &[Vector3], masses: &[f64]) -> Self {
-        let weights = gradient.iter().zip(masses).map(|(g, m)| g.norm() / (m * GRAVITY));
-        let (sum, max) = weights.fold((0.0, 0.0_f64), |(sum, max), w| (sum + w * w, max.max(w)));
-        Self { rms: (sum / masses.len() as f64).sqrt(), max }
+        let chunks = gradient.par_chunks(CHUNK).zip(masses.par_chunks(CHUNK));
+        let parts: Vec<(f64, f64)> = chunks
+            .map(|(gradient, masses)| {
+                // Squares: of the roots only two are asked for.
+                let squares = gradient.iter().zip(masses).map(|(g, m)| g.norm_squared() / (m * GRAVITY).powi(2));
+                squares.fold((0.0, 0.0_f64), |(sum, max), square| (sum + square, max.max(square)))
+            })
+            .collect();
+        let (sum, max) = parts.into_iter().fold((0.0, 0.0_f64), |a, b| (a.0 + b.0, a.1.max(b.1)));
+        Self { rms: (sum / masses.len() as f64).sqrt(), max: max.sqrt() }
     }
 }
 
