@@ -83,8 +83,7 @@ impl TriangleBlock {
 
     #[inline(always)]
     fn spans(&self, vectors: &[Lanes], span: &mut [[Lanes; BLOCK]; 3]) {
-        for t in 0..BLOCK {
-            let [a, b, c] = self.corners[t];
+        for (t, &[a, b, c]) in self.corners.iter().enumerate() {
             let (a, b, c) = (vectors[a as usize], vectors[b as usize], vectors[c as usize]);
             span[0][t] = c - b;
             span[1][t] = a - c;
@@ -180,8 +179,7 @@ impl SpringBlock {
 
     #[inline(always)]
     fn spans(&self, vectors: &[Lanes], span: &mut [Lanes; BLOCK]) {
-        for s in 0..BLOCK {
-            let [a, b] = self.ends[s];
+        for (s, &[a, b]) in self.ends.iter().enumerate() {
             span[s] = vectors[b as usize] - vectors[a as usize];
         }
     }
