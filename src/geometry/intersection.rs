@@ -13,22 +13,40 @@ fn side(a: Vector3, b: Vector3, c: Vector3, d: Vector3) -> f64 {
     orient3d(coord(a), coord(b), coord(c), coord(d))
 }
 
-/// Does the segment cross the triangle in an inner point of both? Touching does not count.
-pub fn segment_meets_triangle([p, q]: [Vector3; 2], [a, b, c]: [Vector3; 3]) -> bool {
-    let (above, below) = (side(a, b, c, p), side(a, b, c, q));
-    if above == 0.0 || below == 0.0 || (above > 0.0) == (below > 0.0) {
-        return false;
-    }
+/// Are the ends on opposite sides, none of them in the plane?
+fn opposite(above: f64, below: f64) -> bool {
+    (above > 0.0 && below < 0.0) || (above < 0.0 && below > 0.0)
+}
+
+/// Does the line through `p` and `q` pass through the inside of the triangle?
+fn line_meets_triangle(p: Vector3, q: Vector3, [a, b, c]: [Vector3; 3]) -> bool {
     let turns = [side(p, q, a, b), side(p, q, b, c), side(p, q, c, a)];
     turns.iter().all(|&t| t > 0.0) || turns.iter().all(|&t| t < 0.0)
+}
+
+/// Does the segment cross the triangle in an inner point of both? Touching does not count.
+pub fn segment_meets_triangle([p, q]: [Vector3; 2], triangle: [Vector3; 3]) -> bool {
+    let [a, b, c] = triangle;
+    opposite(side(a, b, c, p), side(a, b, c, q)) && line_meets_triangle(p, q, triangle)
 }
 
 /// Do two triangles without a common corner cross? Touching and overlap within one plane do not
 /// count: cloth that merely lies on cloth is no intersection.
 pub fn triangles_intersect(a: [Vector3; 3], b: [Vector3; 3]) -> bool {
-    let sides = |[i, j, k]: [Vector3; 3]| [[i, j], [j, k], [k, i]];
-    sides(a).into_iter().any(|s| segment_meets_triangle(s, b))
-        || sides(b).into_iter().any(|s| segment_meets_triangle(s, a))
+    // Most that are asked about lie wholly on one side of the other's plane.
+    let clear = |sides: [f64; 3]| sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0);
+    let sides_of_a = a.map(|p| side(b[0], b[1], b[2], p));
+    if clear(sides_of_a) {
+        return false;
+    }
+    let sides_of_b = b.map(|p| side(a[0], a[1], a[2], p));
+    !clear(sides_of_b) && (pierces(a, sides_of_a, b) || pierces(b, sides_of_b, a))
+}
+
+/// Does a side of the first triangle cross the second, on whose sides its corners lie as told?
+fn pierces(one: [Vector3; 3], sides: [f64; 3], other: [Vector3; 3]) -> bool {
+    let crosses = |k: usize, l: usize| opposite(sides[k], sides[l]) && line_meets_triangle(one[k], one[l], other);
+    crosses(0, 1) || crosses(1, 2) || crosses(2, 0)
 }
 
 /// The first pair of sides of a closed polygon that cross each other, as indices of their first
@@ -90,6 +108,7 @@ fn sides_cross(points: &[Vector2], i: usize, j: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn v(x: f64, y: f64, z: f64) -> Vector3 {
         Vector3::new(x, y, z)
@@ -110,6 +129,24 @@ mod tests {
         assert!(triangles_intersect(flat, upright) && triangles_intersect(upright, flat));
         let above = flat.map(|p| p + v(0.0, 0.0, 1e-300));
         assert!(!triangles_intersect(flat, above));
+    }
+
+    /// Whether a side of one passes through the other, side by side.
+    fn intersect_plainly(a: [Vector3; 3], b: [Vector3; 3]) -> bool {
+        let sides = |[i, j, k]: [Vector3; 3]| [[i, j], [j, k], [k, i]];
+        sides(a).into_iter().any(|s| segment_meets_triangle(s, b))
+            || sides(b).into_iter().any(|s| segment_meets_triangle(s, a))
+    }
+
+    proptest! {
+        /// Corners on a coarse grid: many lie in the other's plane, on its sides, on its corners.
+        #[test]
+        fn what_lies_on_one_side_of_a_plane_is_told_apart_rightly(c in prop::collection::vec(0..4u8, 18)) {
+            let corner = |k: usize| v(f64::from(c[k]), f64::from(c[k + 1]), f64::from(c[k + 2]));
+            let (a, b) = ([corner(0), corner(3), corner(6)], [corner(9), corner(12), corner(15)]);
+            prop_assert_eq!(triangles_intersect(a, b), intersect_plainly(a, b));
+            prop_assert_eq!(triangles_intersect(a, b), triangles_intersect(b, a));
+        }
     }
 
     #[test]
