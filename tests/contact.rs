@@ -11,9 +11,10 @@ use toile::contact::{BodyContact, BodyContactSettings, SelfContact, SelfContactS
 use toile::energy::{Energy, Model};
 use toile::garment::Level;
 use toile::geometry::Vector3;
+use toile::io::{body_obj, embedded, garmentcode};
 use toile::minimize::{ConjugateGradient, Settings};
 use toile::pattern::Fabric;
-use toile::prepositioning::Relaxation;
+use toile::prepositioning::{Event, Observer, Relaxation, Settings as PrepositionSettings, preposition};
 
 /// Particles where their panels lie, the second panel `gap` above the first, rumpled by up to `rough`.
 fn laid(level: &Level, gap: f64, rough: f64, seed: f64) -> Vec<Vector3> {
@@ -47,7 +48,7 @@ proptest! {
     fn the_gradient_of_cloth_against_cloth_is_the_derivative(seed in 0.0..100.0f64, gap in 0.002..0.009f64) {
         let level = two_sheets(0.16, 0.05);
         let positions = laid(&level, gap, 0.25 * gap, seed);
-        let contact = against_itself(&level, &positions);
+        let mut contact = against_itself(&level, &positions);
         let mut gradient = vec![Vector3::zeros(); positions.len()];
         prop_assert!(contact.evaluate(&positions, &mut gradient) > 0.0);
         let scale = gradient.iter().map(|g| g.norm()).fold(0.0, f64::max);
@@ -150,4 +151,42 @@ fn cloth_sticks_on_a_slope_below_the_angle_of_friction_and_slides_above() {
     let (below, above) = (slid(limit - 2.0, friction), slid(limit + 2.0, friction));
     assert!(below.abs() < 1e-4, "it slid {} mm where it should stick", below * 1e3);
     assert!(above > 1e-3, "it slid {} mm where it should slide on", above * 1e3);
+}
+
+/// What finding the near pairs of a particle takes must not grow with the number of particles. Prints
+/// figures instead of judging them: `cargo test --release --test contact -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes a minute, and tells times"]
+fn finding_pairs_takes_as_long_for_each_of_a_million_particles() {
+    struct Watcher;
+    impl Observer for Watcher {
+        fn event(&mut self, event: &Event) {
+            let Event::LevelDone { cloth, positions, .. } = event else { return };
+            let h = cloth.resolution;
+            let settings = SelfContactSettings { clearance: 0.1 * h, stiffness: 1.0, reach: 0.7 * h };
+            let mut contact = SelfContact::new(cloth, classes(cloth), settings);
+            let shortest = |work: &mut dyn FnMut()| {
+                let timed = |_| {
+                    let start = std::time::Instant::now();
+                    work();
+                    start.elapsed().as_secs_f64() / cloth.particle_count as f64 * 1e6
+                };
+                (0..5).map(timed).fold(f64::INFINITY, f64::min)
+            };
+            let pairs = shortest(&mut || contact.rebuild(positions));
+            let crossings = shortest(&mut || assert!(cloth_intersections(cloth, positions).is_empty()));
+            let (n, h) = (cloth.particle_count, 1e3 * h);
+            println!("{n:8} particles at {h:.2} mm: pairs {pairs:.2} µs a particle, intersections {crossings:.2} µs");
+        }
+    }
+    let body = body_obj::parse(embedded::MANNEQUIN_OBJ).unwrap().0;
+    let pattern = garmentcode::parse(embedded::TEE, "tee").unwrap().0;
+    let resolutions = vec![0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125, 0.0008];
+    let settings = PrepositionSettings {
+        resolutions,
+        coarse_evaluations: 300,
+        finest_evaluations: 1,
+        ..PrepositionSettings::for_resolution(0.005)
+    };
+    preposition(&pattern, &Fabric::default(), &body, &settings, &mut Watcher).unwrap();
 }

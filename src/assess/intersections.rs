@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::garment::Level;
-use crate::geometry::{BoxTree, Vector3, triangles_intersect};
+use crate::geometry::{RunTree, Vector3, triangles_intersect};
 use rayon::prelude::*;
 
 /// Pairs of a cloth triangle and a body triangle that cross, in order.
@@ -28,35 +28,74 @@ pub fn body_intersections(level: &Level, positions: &[Vector3], body: &Body) -> 
 /// Pairs of cloth triangles that cross, in order. Triangles that share a particle, within a panel or
 /// over a seam, are no pair.
 pub fn cloth_intersections(level: &Level, positions: &[Vector3]) -> Vec<[u32; 2]> {
-    let triangles = level.particle_triangles();
-    let corners = |t: usize| triangles[t].map(|p| positions[p as usize]);
-    let tree = BoxTree::of_triangles((0..triangles.len()).map(corners), 0.0);
-    (0..triangles.len())
-        .into_par_iter()
-        .with_min_len(512)
-        .flat_map_iter(|t| {
-            let [a, b, c] = corners(t);
-            let mut met = Vec::new();
-            tree.for_each_meeting(a.inf(&b).inf(&c), a.sup(&b).sup(&c), |u| {
-                let apart = |p: &u32| !triangles[u as usize].contains(p);
-                if u as usize > t
-                    && triangles[t].iter().all(apart)
-                    && triangles_intersect([a, b, c], corners(u as usize))
-                {
-                    met.push([t as u32, u]);
+    ClothCrossings::new(level, positions).pairs
+}
+
+/// The pairs of [`cloth_intersections`], kept up to date where particles move.
+pub struct ClothCrossings {
+    triangles: Vec<[u32; 3]>,
+    /// Boxes around the triangles where they are.
+    tree: RunTree,
+    pairs: Vec<[u32; 2]>,
+}
+
+impl ClothCrossings {
+    pub fn new(level: &Level, positions: &[Vector3]) -> Self {
+        let triangles = level.particle_triangles();
+        let tree = RunTree::new(triangles.iter().map(|t| around(t, positions)));
+        let mut pairs = tree.collect_pairs(|t, u, found| {
+            if cross(&triangles, t, u, positions) {
+                found.push([t, u]);
+            }
+        });
+        pairs.sort_unstable();
+        Self { triangles, tree, pairs }
+    }
+
+    /// Crossing pairs, the smaller index first, in order.
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs
+    }
+
+    /// To be called when the particles `moved`, and no others, have new positions.
+    pub fn update(&mut self, positions: &[Vector3], moved: &[u32]) {
+        let mut has_moved = vec![false; positions.len()];
+        moved.iter().for_each(|&p| has_moved[p as usize] = true);
+        let touched: Vec<bool> = self.triangles.iter().map(|t| t.iter().any(|&p| has_moved[p as usize])).collect();
+        let (triangles, is_touched) = (&self.triangles, |t: u32| touched[t as usize]);
+        let moved: Vec<u32> = (0..triangles.len() as u32).filter(|&t| is_touched(t)).collect();
+        self.tree.update(moved.iter().map(|&t| (t, around(&triangles[t as usize], positions))));
+        self.pairs.retain(|&[t, u]| !is_touched(t) && !is_touched(u));
+        for &t in &moved {
+            self.tree.for_each_meeting(t, |u| {
+                // Two that moved are asked about once.
+                if (u > t || !is_touched(u)) && cross(triangles, t, u, positions) {
+                    self.pairs.push([t.min(u), t.max(u)]);
                 }
             });
-            met.sort_unstable();
-            met
-        })
-        .collect()
+        }
+        self.pairs.sort_unstable();
+    }
+}
+
+fn around(triangle: &[u32; 3], positions: &[Vector3]) -> (Vector3, Vector3) {
+    let [a, b, c] = triangle.map(|p| positions[p as usize]);
+    (a.inf(&b).inf(&c), a.sup(&b).sup(&c))
+}
+
+fn cross(triangles: &[[u32; 3]], t: u32, u: u32, positions: &[Vector3]) -> bool {
+    let (one, other) = (triangles[t as usize], triangles[u as usize]);
+    let at = |p: u32| positions[p as usize];
+    one.iter().all(|p| !other.contains(p)) && triangles_intersect(one.map(at), other.map(at))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::PanelRange;
+    use crate::garment::{Garment, PanelRange};
     use crate::geometry::Vector2;
+    use crate::pattern::shapes;
+    use proptest::prelude::*;
 
     /// Two triangles of two panels, not sewn.
     fn two_triangles() -> Level {
@@ -88,6 +127,33 @@ mod tests {
         level.particle_of[3] = 3;
         positions[3].z = 0.5;
         assert!(cloth_intersections(&level, &positions).is_empty());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn what_the_tree_finds_is_what_looking_at_every_pair_finds(seed in 0.0..100.0f64, rough in 0.01..0.04f64, every in 1..30usize) {
+            let level = Garment::build(&shapes::tube(0.3, 0.2), &[0.03]).unwrap().levels.remove(0);
+            let wave = |k: usize, step: f64| (k as f64 * step + seed).sin() * rough;
+            let crumpled = |k: usize, turn: usize| {
+                let noise = Vector3::new(wave(k, 12.9898), wave(k, 78.233), wave(k + turn, 37.719));
+                Vector3::new(level.rest[k].x, level.rest[k].y, 0.0) + noise
+            };
+            let mut positions: Vec<Vector3> = (0..level.particle_count).map(|k| crumpled(k, 0)).collect();
+            let plainly = |positions: &[Vector3]| -> Vec<[u32; 2]> {
+                let (triangles, n) = (level.particle_triangles(), level.triangles.len() as u32);
+                let pairs = (0..n).flat_map(|t| (t + 1..n).map(move |u| [t, u]));
+                pairs.filter(|&[t, u]| cross(&triangles, t, u, positions)).collect()
+            };
+            let mut crossings = ClothCrossings::new(&level, &positions);
+            prop_assert!(rough < 0.02 || !crossings.pairs().is_empty());
+            prop_assert_eq!(crossings.pairs(), plainly(&positions));
+            let moved: Vec<u32> = (0..positions.len() as u32).step_by(every).collect();
+            moved.iter().for_each(|&p| positions[p as usize] = crumpled(p as usize, 5));
+            crossings.update(&positions, &moved);
+            prop_assert_eq!(crossings.pairs(), plainly(&positions));
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod intersections;
 mod strain;
 
 pub use gate::{Check, LARGEST_SEAM_GAP, LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, hand_off};
-pub use intersections::{body_intersections, cloth_intersections};
+pub use intersections::{ClothCrossings, body_intersections, cloth_intersections};
 pub use strain::{Strain, principal_stretches};
 
 use crate::body::Body;

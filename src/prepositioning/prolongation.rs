@@ -6,7 +6,7 @@
 //! there the fine cloth may cross other cloth. Such particles are first taken back onto the coarse
 //! surface; what still crosses is smoothed, which pulls the cutting corners out.
 
-use crate::assess::cloth_intersections;
+use crate::assess::ClothCrossings;
 use crate::garment::{Garment, Level};
 use crate::geometry::{EdgeTable, Vector3};
 
@@ -20,22 +20,22 @@ pub fn prolong(garment: &Garment, level: usize, positions: &[Vector3]) -> Vec<Ve
     let (coarse, fine) = (&garment.levels[level - 1], &garment.levels[level]);
     let correspondence = &garment.correspondences[level - 1];
     let mut prolonged = correspondence.prolong(coarse, fine, positions);
-    let mut crossing = cloth_intersections(fine, &prolonged);
-    if crossing.is_empty() {
+    let mut crossings = ClothCrossings::new(fine, &prolonged);
+    if crossings.pairs().is_empty() {
         return prolonged;
     }
     let neighbours = neighbours(fine);
     let safe = correspondence.prolong_within(coarse, fine, positions);
     for round in 0..TAKING_BACK + SMOOTHING {
         let taking_back = round < TAKING_BACK;
-        let region = around(fine, &crossing, &neighbours, if taking_back { round } else { 1 });
+        let region = around(fine, crossings.pairs(), &neighbours, if taking_back { round } else { 1 });
         let moved: Vec<Vector3> = region
             .iter()
             .map(|&p| if taking_back { safe[p as usize] } else { mean(&neighbours[p as usize], &prolonged) })
             .collect();
         region.iter().zip(moved).for_each(|(&p, to)| prolonged[p as usize] = to);
-        crossing = cloth_intersections(fine, &prolonged);
-        if crossing.is_empty() {
+        crossings.update(&prolonged, &region);
+        if crossings.pairs().is_empty() {
             break;
         }
     }

@@ -1,0 +1,332 @@
+//! Contact of the cloth with itself, for vertices against faces and edges against edges.
+//!
+//! The paper keeps particles apart from particles; edges then cross between them unless the
+//! clearance exceeds `h/√3`. We measure the distances of vertices to faces and of edges to edges,
+//! push apart what is nearer than the clearance, and bound how the sides of a pair may move against
+//! each other (`bounds.rs`).
+//!
+//! Pairs nearer than a reach are followed. They are those of an *origin*: of where each particle was
+//! when its surroundings were last searched. Before a particle strays from there by a share of the
+//! reach, it and others that have moved get new origins, and only their surroundings are searched.
+
+mod bounds;
+mod pairs;
+mod repulsion;
+
+use crate::garment::Level;
+use crate::geometry::Vector3;
+use crate::minimize::CHUNK;
+use pairs::{Pair, PairFinder, Span};
+use rayon::prelude::*;
+use repulsion::repulsion;
+
+/// How the cloth is held clear of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfContactSettings {
+    /// Distance to be kept, m; less where edges are short.
+    pub clearance: f64,
+    /// Stiffness of each pair, N/m.
+    pub stiffness: f64,
+    /// Pairs nearer than this are followed, m; more than the clearance, less than an edge.
+    pub reach: f64,
+}
+
+/// Cloth that starts nearer to other cloth than this share of the reach lies on it, as panels do that
+/// the pattern places so: 0.1 mm on a coarse level. What was prolonged to a fine one may well be as
+/// near, and must not be let through.
+const TOUCHING: f64 = 0.003;
+/// Share of its shortest edge to which a particle's clearance is cut: neighbours on flat cloth must not repel.
+const EDGE_SHARE: f64 = 0.4;
+/// Where more than one particle in so many gets a new origin, all do: a search everywhere is cheaper
+/// than one around each.
+const FEW: usize = 8;
+/// Up to so many pairs are looked at by one thread: waking another takes as long.
+const MOST_PAIRS_ALONE: usize = 2048;
+/// Chunks of particles to a thread at least, for sweeps as cheap as a sum.
+const LEAST_CHUNKS: usize = 16;
+/// What a bound on distances is widened by for the rounding of its terms, m.
+const ROUNDING: f64 = 1e-12;
+
+/// A pair that was nearer than its clearance at the last evaluation: a spring between two points of
+/// the cloth that only pushes.
+#[derive(Clone, Copy, Debug)]
+pub struct ActivePair {
+    pub particles: [u32; 4],
+    /// The sides' closest points are weighted means of their particles; those of the second side count negative.
+    pub weights: [f64; 4],
+    /// From the second side's closest point to the first's, of length one.
+    pub normal: Vector3,
+    /// m.
+    pub distance: f64,
+    /// Derivative of the pair's energy by its distance, N, negative.
+    pub slope: f64,
+    /// Second derivative of the pair's energy by its distance, N/m, no more than the minimizer should be told.
+    pub curvature: f64,
+}
+
+/// Contact of one level with itself.
+pub struct SelfContact {
+    pub settings: SelfContactSettings,
+    finder: PairFinder,
+    /// m, one per particle.
+    clearance: Vec<f64>,
+    /// All pairs that at the origin are nearer than the reach and not adjacent, but for those excused.
+    pairs: Vec<Pair>,
+    /// Distance of each pair at the origin, m.
+    origin_distance: Vec<f64>,
+    /// Pairs that touched at the start, sorted: they may pass each other until they have parted.
+    excused: Vec<Pair>,
+    /// Where each particle was when its surroundings were last searched, m, world.
+    origin: Vec<Vector3>,
+    /// Squared distance of each particle from its origin when it was last asked for, m².
+    squared_drift: Vec<f64>,
+    /// Pairs that pushed at the last evaluation.
+    active: Vec<ActivePair>,
+}
+
+impl SelfContact {
+    /// `class_of` tells which particles are to be sewn together.
+    pub fn new(level: &Level, class_of: Vec<u32>, settings: SelfContactSettings) -> Self {
+        let triangles = level.particle_triangles();
+        let mut clearance = vec![settings.clearance; level.particle_count];
+        for (t, particles) in triangles.iter().enumerate() {
+            let rest = level.rest_corners(t);
+            for k in 0..3 {
+                let length = (rest[(k + 1) % 3] - rest[k]).norm();
+                for p in [particles[k], particles[(k + 1) % 3]] {
+                    clearance[p as usize] = clearance[p as usize].min(EDGE_SHARE * length);
+                }
+            }
+        }
+        Self {
+            settings,
+            finder: PairFinder::new(&triangles, &class_of, settings.reach),
+            clearance,
+            pairs: Vec::new(),
+            origin_distance: Vec::new(),
+            excused: Vec::new(),
+            origin: Vec::new(),
+            squared_drift: Vec::new(),
+            active: Vec::new(),
+        }
+    }
+
+    /// Finds the near pairs at `positions`, which must be free of intersections.
+    pub fn rebuild(&mut self, positions: &[Vector3]) {
+        let touching = self.touching();
+        let first = self.origin.is_empty();
+        self.origin = positions.to_vec();
+        self.squared_drift = vec![0.0; positions.len()];
+        self.pairs.clear();
+        self.origin_distance.clear();
+        let found = self.finder.all(positions);
+        if first {
+            let lying = found.iter().filter(|(_, distance)| *distance < touching);
+            self.excused = lying.map(|(pair, _)| *pair).collect();
+            self.excused.sort_unstable();
+        } else {
+            self.excused.retain(|pair| pair.distance(positions) < touching);
+        }
+        self.follow(found);
+    }
+
+    /// Distance of what lies on one another, m.
+    fn touching(&self) -> f64 {
+        TOUCHING * self.settings.reach
+    }
+
+    /// Gives the particles `strayed` their positions as new origins and finds the pairs around them.
+    fn renew(&mut self, positions: &[Vector3], strayed: &[u32]) {
+        if strayed.len() * FEW > positions.len() {
+            return self.rebuild(positions);
+        }
+        let mut moved = vec![false; positions.len()];
+        for &p in strayed {
+            moved[p as usize] = true;
+            self.origin[p as usize] = positions[p as usize];
+            self.squared_drift[p as usize] = 0.0;
+        }
+        let has_moved = |pair: &Pair| pair.particles.iter().any(|&p| moved[p as usize]);
+        let mut kept = 0;
+        for k in 0..self.pairs.len() {
+            if !has_moved(&self.pairs[k]) {
+                self.pairs[kept] = self.pairs[k];
+                self.origin_distance[kept] = self.origin_distance[k];
+                kept += 1;
+            }
+        }
+        self.pairs.truncate(kept);
+        self.origin_distance.truncate(kept);
+        let mut found = self.finder.near(&moved, &self.origin);
+        let touching = self.touching();
+        let (lying, parted): (Vec<_>, Vec<_>) =
+            self.excused.iter().partition(|pair| pair.distance(positions) < touching);
+        self.excused = lying;
+        // Those that have parted are pairs like others; those that moved are found already.
+        let origin = &self.origin;
+        let parted = parted.into_iter().filter(|pair| !has_moved(pair)).map(|pair| (pair, pair.distance(origin)));
+        found.extend(parted.filter(|(_, distance)| *distance < self.settings.reach));
+        self.follow(found);
+    }
+
+    /// Follows pairs, given with their distances at the origin, unless they are excused.
+    fn follow(&mut self, found: Vec<(Pair, f64)>) {
+        for (pair, distance) in found {
+            if self.excused.binary_search(&pair).is_err() {
+                self.pairs.push(pair);
+                self.origin_distance.push(distance);
+            }
+        }
+    }
+
+    /// Measures how far the particles are from their origins; returns the farthest, m.
+    fn measure_drift(&mut self, positions: &[Vector3]) -> f64 {
+        let chunks = self.squared_drift.par_chunks_mut(CHUNK).zip(self.origin.par_chunks(CHUNK));
+        let chunks = chunks.zip(positions.par_chunks(CHUNK)).with_min_len(LEAST_CHUNKS);
+        let farthest = chunks.map(|((drift, origin), positions)| {
+            let mut farthest = 0.0;
+            for ((drift, origin), p) in drift.iter_mut().zip(origin).zip(positions) {
+                *drift = (p - origin).norm_squared();
+                farthest = larger(farthest, *drift);
+            }
+            farthest
+        });
+        farthest.reduce(|| 0.0, larger).sqrt()
+    }
+
+    /// What is left of a pair's distance at the origin after its particles have drifted, m: it is at
+    /// least so far apart.
+    #[inline]
+    fn least_distance(&self, pair: &Pair, at_origin: f64) -> f64 {
+        let (one, other) = pair.largest_on_sides(pair.particles.map(|p| self.squared_drift[p as usize]));
+        at_origin - one.sqrt() - other.sqrt() - ROUNDING
+    }
+
+    /// The pair as a spring, if it is nearer than its clearance.
+    fn spring(&self, pair: &Pair, positions: &[Vector3]) -> Option<(f64, ActivePair)> {
+        let Span { weights, vector } = pair.span(positions);
+        let clearance = pair.particles.iter().map(|&p| self.clearance[p as usize]).fold(f64::INFINITY, f64::min);
+        let distance = vector.norm();
+        if !(distance < clearance && distance > 0.0) {
+            return None;
+        }
+        let (energy, slope, curvature) = repulsion(distance, clearance, self.settings.stiffness);
+        let normal = vector / distance;
+        Some((energy, ActivePair { particles: pair.particles, weights, normal, distance, slope, curvature }))
+    }
+
+    /// Adds the gradient, N, and returns the energy, J.
+    pub fn evaluate(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) -> f64 {
+        let clearance = self.settings.clearance;
+        // Most pairs were so far apart that no particle has moved enough for them to touch.
+        let within = clearance + 2.0 * self.measure_drift(positions) + ROUNDING;
+        let pairs = self.pairs.par_iter().zip(&self.origin_distance).with_min_len(MOST_PAIRS_ALONE);
+        let near = |&(pair, &at_origin): &(&Pair, &f64)| {
+            at_origin <= within && self.least_distance(pair, at_origin) <= clearance
+        };
+        let active: Vec<_> = pairs.filter(near).filter_map(|(pair, _)| self.spring(pair, positions)).collect();
+        let mut energy = 0.0;
+        self.active.clear();
+        for (pair_energy, pair) in active {
+            energy += pair_energy;
+            for (p, w) in pair.particles.iter().zip(pair.weights) {
+                gradient[*p as usize] += pair.normal * (w * pair.slope);
+            }
+            self.active.push(pair);
+        }
+        energy
+    }
+
+    /// The pairs that pushed at the last evaluation, in an order that no number of threads changes.
+    pub(crate) fn active(&self) -> &[ActivePair] {
+        &self.active
+    }
+
+    /// `dᵀ H d` without what is negative, by the pairs that pushed at the last evaluation: it should
+    /// have been at `positions`.
+    pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
+        let along = |pair: &ActivePair| {
+            let weighted = |of: &[Vector3]| -> Vector3 {
+                pair.particles.iter().zip(pair.weights).map(|(&p, w)| of[p as usize] * w).sum()
+            };
+            pair.curvature * (weighted(direction).dot(&weighted(positions)) / pair.distance).powi(2)
+        };
+        self.active().iter().map(along).sum()
+    }
+}
+
+/// Unlike `f64::max` one instruction, for numbers of which none is NaN.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::pairs::tests::{crumpled_tube, near_pairs_plainly};
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        /// However particles move, the pairs are those of the origin, and no particle is far from there.
+        #[test]
+        fn the_pairs_followed_are_those_of_the_origin(seed in 0.0..100.0f64, reach in 0.02..0.06f64, size in 0.0..0.3f64) {
+            let (level, mut positions) = crumpled_tube(0.02, seed);
+            let triangles = level.particle_triangles();
+            let class_of: Vec<u32> = (0..level.particle_count as u32).collect();
+            let settings = SelfContactSettings { clearance: 0.003, stiffness: 1.0, reach };
+            let mut contact = SelfContact::new(&level, class_of.clone(), settings);
+            contact.rebuild(&positions);
+            let mut partly = 0;
+            for round in 0..20 {
+                // Few particles move, in each round others.
+                let amount = |p: usize| if (p + round) % 17 < 2 { size * reach } else { 1e-4 * reach };
+                let wave = |k: usize, step: f64| ((k + 7 * round) as f64 * step + seed).sin();
+                let moves = |p: usize| Vector3::new(wave(p, 45.164), wave(p, 94.673), wave(p, 7.781)) * amount(p);
+                let mut moves: Vec<Vector3> = (0..positions.len()).map(moves).collect();
+                let before = contact.origin.clone();
+                contact.limit(&positions, &mut moves);
+                positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
+                let renewed = before.iter().zip(&contact.origin).filter(|(a, b)| a != b).count();
+                partly += usize::from(renewed > 0 && renewed < positions.len());
+                let mut found: Vec<_> = contact.pairs.iter().copied().zip(contact.origin_distance.iter().copied()).collect();
+                found.sort_by_key(|(pair, _)| *pair);
+                let plainly = near_pairs_plainly(&triangles, &class_of, &contact.origin, reach);
+                let plainly: Vec<_> = plainly.into_iter().filter(|(pair, _)| !contact.excused.contains(pair)).collect();
+                prop_assert_eq!(found, plainly);
+                let farthest = contact.measure_drift(&positions);
+                prop_assert!(farthest <= bounds::MOST_DRIFT * reach * (1.0 + 1e-9), "{farthest}");
+                // What is known of distances without measuring them is true.
+                for (pair, &at_origin) in contact.pairs.iter().zip(&contact.origin_distance) {
+                    prop_assert!(contact.least_distance(pair, at_origin) <= pair.distance(&positions));
+                }
+            }
+            prop_assert!(size < 0.2 || partly > 0);
+        }
+
+        /// No pair that pushes is passed over.
+        #[test]
+        fn what_pushes_is_what_is_nearer_than_its_clearance(seed in 0.0..100.0f64, size in 0.0..0.25f64) {
+            let (level, mut positions) = crumpled_tube(0.02, seed);
+            let triangles = level.particle_triangles();
+            let class_of: Vec<u32> = (0..level.particle_count as u32).collect();
+            let settings = SelfContactSettings { clearance: 0.008, stiffness: 1.0, reach: 0.03 };
+            let mut contact = SelfContact::new(&level, class_of.clone(), settings);
+            contact.rebuild(&positions);
+            positions.iter_mut().enumerate().for_each(|(k, p)| p.x += size * settings.reach * (k as f64 + seed).sin());
+            contact.evaluate(&positions, &mut vec![Vector3::zeros(); positions.len()]);
+            let mut active: Vec<_> = contact.active().iter().map(|pair| pair.particles).collect();
+            active.sort_unstable();
+            let near = near_pairs_plainly(&triangles, &class_of, &positions, settings.clearance);
+            let pushes = |(pair, distance): &(Pair, f64)| {
+                let clearance = pair.particles.iter().map(|&p| contact.clearance[p as usize]).fold(f64::INFINITY, f64::min);
+                *distance < clearance && !contact.excused.contains(pair)
+            };
+            let mut expected: Vec<_> = near.iter().filter(|near| pushes(near)).map(|(pair, _)| pair.particles).collect();
+            expected.sort_unstable();
+            prop_assert_eq!(active, expected);
+        }
+    }
+}
