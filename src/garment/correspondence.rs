@@ -6,7 +6,8 @@
 //! the wrong one at a curved rim; we take the triangle that is nearest, and extrapolate from it.
 
 use super::level::{Level, PanelRange};
-use crate::geometry::{BoxTree, Vector2, Vector3, barycentric, closest_on_triangle};
+use crate::geometry::{BoxTree, EdgeTable, Vector2, Vector3, barycentric, closest_on_triangle};
+use rayon::prelude::*;
 
 /// A triangle and three barycentric weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +26,17 @@ pub struct Correspondence {
 
 impl Correspondence {
     pub fn new(coarse: &Level, fine: &Level) -> Self {
-        let mut locations = Vec::with_capacity(fine.rest.len());
-        for (coarse_panel, fine_panel) in coarse.panels.iter().zip(&fine.panels) {
-            let locator = Locator::new(coarse, coarse_panel);
-            locations.extend(fine.rest[fine_panel.points.clone()].iter().map(|&p| locator.locate(p)));
-        }
-        Self { locations }
+        let locations: Vec<Vec<Location>> = coarse
+            .panels
+            .par_iter()
+            .zip(&fine.panels)
+            .map(|(coarse_panel, fine_panel)| {
+                let locator = Locator::new(coarse, coarse_panel);
+                let points = fine.rest[fine_panel.points.clone()].par_iter();
+                points.with_min_len(CHUNK).map(|&p| locator.locate(p)).collect()
+            })
+            .collect();
+        Self { locations: locations.concat() }
     }
 
     /// Positions of the finer level's particles on the surface of the coarser level, m, world: what
@@ -67,11 +73,83 @@ impl Correspondence {
     }
 }
 
+/// Points to a piece of parallel work.
+const CHUNK: usize = 1024;
+
 /// Finds points on the triangles of one panel.
 struct Locator<'a> {
     level: &'a Level,
     panel: &'a PanelRange,
-    tree: BoxTree,
+    bins: Bins,
+    /// Of what is outside all triangles the nearest one has an edge on the outline: those that do.
+    rim: Vec<u32>,
+    /// A tree over them.
+    rim_tree: BoxTree,
+}
+
+/// Triangles in square bins, every triangle in each bin that its box meets.
+struct Bins {
+    low: Vector2,
+    /// Side of a bin, m.
+    side: f64,
+    /// Bins along x and y.
+    extent: [usize; 2],
+    /// Per bin, x fastest: where its triangles begin in `triangles`; one more at the end.
+    starts: Vec<u32>,
+    triangles: Vec<u32>,
+}
+
+/// Side of a bin in resolutions: a few triangles meet it.
+const BIN: f64 = 1.0;
+/// The most bins for each triangle: a narrow panel drawn aslant has a large box, nearly all of it empty.
+const MOST_BINS: f64 = 4.0;
+/// A point is in a triangle if no weight is below this: on an edge rounding may put it outside both.
+const INSIDE: f64 = -1e-9;
+
+impl Bins {
+    fn new(corners: impl Fn(u32) -> [Vector2; 3], count: u32, side: f64) -> Self {
+        let bounds = |t: u32| {
+            let [a, b, c] = corners(t);
+            (a.inf(&b).inf(&c), a.sup(&b).sup(&c))
+        };
+        let infinity = Vector2::repeat(f64::INFINITY);
+        let (low, high) = (0..count).map(bounds).fold((infinity, -infinity), |(l, h), (a, b)| (l.inf(&a), h.sup(&b)));
+        let size = high - low;
+        let side = side.max((size.x * size.y / (MOST_BINS * f64::from(count))).sqrt()).max(size.max() / 1e6);
+        let extent = [size.x, size.y].map(|s| (s / side) as usize + 1);
+        let mut bins = Self { low, side, extent, starts: vec![0; extent[0] * extent[1] + 1], triangles: Vec::new() };
+        let each = |t: u32, visit: &mut dyn FnMut(usize)| {
+            let (low, high) = bounds(t);
+            let ([x0, y0], [x1, y1]) = (bins.at(low), bins.at(high));
+            (y0..=y1).for_each(|y| (x0..=x1).for_each(|x| visit(y * extent[0] + x)));
+        };
+        let mut starts = vec![0u32; extent[0] * extent[1] + 1];
+        (0..count).for_each(|t| each(t, &mut |bin| starts[bin + 1] += 1));
+        (1..starts.len()).for_each(|bin| starts[bin] += starts[bin - 1]);
+        let mut next = starts.clone();
+        let mut triangles = vec![0; starts[starts.len() - 1] as usize];
+        for t in 0..count {
+            each(t, &mut |bin| {
+                triangles[next[bin] as usize] = t;
+                next[bin] += 1;
+            });
+        }
+        (bins.starts, bins.triangles) = (starts, triangles);
+        bins
+    }
+
+    /// The bin of a point, or the nearest one.
+    fn at(&self, point: Vector2) -> [usize; 2] {
+        let at = (point - self.low) / self.side;
+        [(at.x as usize).min(self.extent[0] - 1), (at.y as usize).min(self.extent[1] - 1)]
+    }
+
+    /// The triangles whose boxes may hold a point.
+    fn around(&self, point: Vector2) -> &[u32] {
+        let [x, y] = self.at(point);
+        let bin = y * self.extent[0] + x;
+        &self.triangles[self.starts[bin] as usize..self.starts[bin + 1] as usize]
+    }
 }
 
 fn lifted(p: Vector2) -> Vector3 {
@@ -80,8 +158,15 @@ fn lifted(p: Vector2) -> Vector3 {
 
 impl<'a> Locator<'a> {
     fn new(level: &'a Level, panel: &'a PanelRange) -> Self {
-        let corners = panel.triangles.clone().map(|t| level.rest_corners(t).map(lifted));
-        Self { level, panel, tree: BoxTree::of_triangles(corners, 0.0) }
+        let first = panel.triangles.start;
+        let corners = |t: u32| level.rest_corners(first + t as usize);
+        let bins = Bins::new(corners, panel.triangles.len() as u32, BIN * level.resolution);
+        let edges = EdgeTable::new(&level.triangles[panel.triangles.clone()]).edges;
+        let mut rim: Vec<u32> = edges.iter().filter(|e| e.triangles.len() == 1).map(|edge| edge.triangles[0]).collect();
+        rim.sort_unstable();
+        rim.dedup();
+        let rim_tree = BoxTree::of_triangles(rim.iter().map(|&t| corners(t).map(lifted)), 0.0);
+        Self { level, panel, bins, rim, rim_tree }
     }
 
     fn corners(&self, index: u32) -> [Vector2; 3] {
@@ -89,15 +174,29 @@ impl<'a> Locator<'a> {
     }
 
     fn locate(&self, point: Vector2) -> Location {
-        let squared_distance = |index: u32| {
-            let corners = self.corners(index).map(lifted);
+        let located = |index: u32, weights| Location { triangle: self.panel.triangles.start as u32 + index, weights };
+        // On an edge the triangle that the point is deeper in, of equals the first.
+        let mut best: Option<(f64, Location)> = None;
+        for &index in self.bins.around(point) {
+            let weights = barycentric(point, self.corners(index));
+            let least = weights[0].min(weights[1]).min(weights[2]);
+            if least >= INSIDE && best.is_none_or(|(most, _)| least > most) {
+                best = Some((least, located(index, weights)));
+            }
+        }
+        best.map_or_else(|| self.nearest(point), |(_, location)| location)
+    }
+
+    /// For what is outside all triangles.
+    fn nearest(&self, point: Vector2) -> Location {
+        let squared_distance = |k: u32| {
+            let corners = self.corners(self.rim[k as usize]).map(lifted);
             let [a, b, c] = closest_on_triangle(lifted(point), corners);
             (corners[0] * a + corners[1] * b + corners[2] * c - lifted(point)).norm_squared()
         };
-        let (index, _) = self
-            .tree
-            .nearest(lifted(point), f64::INFINITY, squared_distance)
-            .expect("a panel has at least one triangle");
+        let found = self.rim_tree.nearest(lifted(point), f64::INFINITY, squared_distance);
+        let (k, _) = found.expect("a panel has a rim");
+        let index = self.rim[k as usize];
         let triangle = self.panel.triangles.start as u32 + index;
         Location { triangle, weights: barycentric(point, self.corners(index)) }
     }
@@ -141,6 +240,26 @@ mod tests {
                 for (ours, exact) in prolonged.iter().zip(mapped(fine, affine)) {
                     prop_assert!((ours - exact).norm() < 1e-12, "{ours} is not {exact}");
                 }
+            }
+        }
+    }
+
+    /// Bins and rims find what looking at every triangle finds.
+    #[test]
+    fn points_are_located_in_the_nearest_triangle() {
+        let (_, garment) = garment();
+        let (coarse, fine) = (&garment.levels[0], &garment.levels[1]);
+        let to = |t: usize, p: Vector2| {
+            let corners = coarse.rest_corners(t).map(lifted);
+            let [a, b, c] = closest_on_triangle(lifted(p), corners);
+            (corners[0] * a + corners[1] * b + corners[2] * c - lifted(p)).norm()
+        };
+        for (panel, range) in coarse.panels.iter().zip(&fine.panels) {
+            for point in range.points.clone() {
+                let (at, found) = (fine.rest[point], garment.correspondences[0].locations[point].triangle as usize);
+                assert!(panel.triangles.contains(&found));
+                let least = panel.triangles.clone().map(|t| to(t, at)).fold(f64::INFINITY, f64::min);
+                assert!(to(found, at) < least + 1e-9, "{} and not {least}", to(found, at));
             }
         }
     }

@@ -158,21 +158,42 @@ impl Level {
     }
 }
 
-/// The hinges inside one panel.
-pub fn panel_hinges(triangles: &[[u32; 3]], first_triangle: u32) -> Vec<Hinge> {
+/// What is on each side of the edges of one panel.
+pub struct PanelEdges {
+    /// The hinges inside the panel.
+    pub hinges: Vec<Hinge>,
+    /// The edges along its outline, by their points.
+    pub rim: Vec<RimEdge>,
+}
+
+/// An edge with a triangle on one side only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RimEdge {
+    /// Points, the smaller first.
+    pub ends: [u32; 2],
+    pub triangle: u32,
+    /// The corner of the triangle that is off the edge.
+    pub tip: u8,
+}
+
+/// The edges of a panel, given its triangles; the first of them has the index `first_triangle` in its level.
+pub fn panel_edges(triangles: &[[u32; 3]], first_triangle: u32) -> PanelEdges {
     let tip = |triangle: u32, ends: [u32; 2]| {
         let corners = triangles[triangle as usize];
         corners.iter().position(|c| !ends.contains(c)).expect("a triangle has a corner off each of its edges") as u8
     };
-    EdgeTable::new(triangles)
-        .edges
-        .into_iter()
-        .filter_map(|edge| {
-            let [a, b] = edge.triangles.as_slice().try_into().ok()?;
-            Some(Hinge {
+    let mut edges = PanelEdges { hinges: Vec::with_capacity(triangles.len() * 3 / 2), rim: Vec::new() };
+    for edge in EdgeTable::new(triangles).edges {
+        match *edge.triangles {
+            [a] => {
+                edges.rim.push(RimEdge { ends: edge.ends, triangle: a + first_triangle, tip: tip(a, edge.ends) });
+            }
+            [a, b] => edges.hinges.push(Hinge {
                 triangles: [a + first_triangle, b + first_triangle],
                 tips: [tip(a, edge.ends), tip(b, edge.ends)],
-            })
-        })
-        .collect()
+            }),
+            _ => {}
+        }
+    }
+    edges
 }

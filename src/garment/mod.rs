@@ -10,11 +10,12 @@ pub use correspondence::{Correspondence, Location};
 pub use level::{Eased, Hinge, Level, PanelRange};
 
 use crate::Error;
-use crate::geometry::{UnionFind, Vector3};
+use crate::geometry::{UnionFind, Vector2, Vector3};
 use crate::pattern::{Pattern, Sense};
-use level::panel_hinges;
+use level::{RimEdge, panel_edges};
 use order::morton_order;
-use outline::Outlines;
+use outline::{Outline, Outlines};
+use rayon::prelude::*;
 use triangulate::triangulate;
 
 /// The finest resolution that is of use, m; finer ones are a slip of the unit.
@@ -42,19 +43,16 @@ impl Garment {
         check_resolutions(resolutions)?;
         check_particle_count(pattern, resolutions[resolutions.len() - 1])?;
         let outlines = Outlines::new(pattern, resolutions)?;
-        let mut open = None;
-        let mut levels: Vec<Level> = Vec::new();
-        for (k, &resolution) in resolutions.iter().enumerate() {
-            let unsewn = build_open(pattern, &outlines, k, resolution)?;
-            levels.push(sewn(&unsewn, pattern));
-            if k == 0 {
-                open = Some(unsewn);
-            }
-        }
+        // In the order of the levels, so that of several errors always the same one is told.
+        let unsewn: Vec<Result<(Level, Vec<RimEdge>), Error>> =
+            (0..resolutions.len()).into_par_iter().map(|k| build_open(pattern, &outlines, k, resolutions[k])).collect();
+        let unsewn: Vec<(Level, Vec<RimEdge>)> = unsewn.into_iter().collect::<Result<_, Error>>()?;
+        let open = unsewn.first().map(|(open, _)| open.clone());
+        let levels: Vec<Level> = unsewn.into_par_iter().map(|(open, rim)| sewn(open, &rim, pattern)).collect();
         for level in &levels {
             check_sewn(level, pattern)?;
         }
-        let correspondences = levels.windows(2).map(|w| Correspondence::new(&w[0], &w[1])).collect();
+        let correspondences = levels.par_windows(2).map(|w| Correspondence::new(&w[0], &w[1])).collect();
         let open = open.expect("there is at least one resolution");
         Ok(Self { open, levels, correspondences })
     }
@@ -120,8 +118,63 @@ fn check_particle_count(pattern: &Pattern, resolution: f64) -> Result<(), Error>
     .within(format!("panel \"{}\"", pattern.panels[largest].name)))
 }
 
-/// All panels at one resolution, every point a particle of its own.
-fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: f64) -> Result<Level, Error> {
+/// One panel at one resolution, as if it were alone.
+struct BuiltPanel {
+    outline: Outline,
+    /// In spatial order.
+    points: Vec<Vector2>,
+    /// Where each of the mesh's own points is in that order.
+    place: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+}
+
+fn build_panel(
+    pattern: &Pattern,
+    outlines: &Outlines,
+    index: usize,
+    level: usize,
+    h: f64,
+) -> Result<BuiltPanel, Error> {
+    let panel = &pattern.panels[index];
+    let outline = outlines.outline(pattern, index, level);
+    let mesh = triangulate(&outline, h).map_err(|e| e.within(format!("panel \"{}\"", panel.name)))?;
+    if cfg!(debug_assertions) {
+        mesh.sanity_check();
+    }
+    let order = morton_order(&mesh.points);
+    let mut place = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        place[old as usize] = new as u32;
+    }
+    // A clockwise outline has its right side on -z: its triangles run clockwise too.
+    let turned = panel.signed_area() < 0.0;
+    let mut triangles: Vec<[u32; 3]> = mesh
+        .triangles
+        .iter()
+        .map(|t| if turned { [t[0], t[2], t[1]] } else { *t }.map(|p| place[p as usize]))
+        .map(|t| {
+            let first = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+            [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
+        })
+        .collect();
+    triangles.sort_unstable();
+    let points = order.iter().map(|&old| mesh.points[old as usize]).collect();
+    Ok(BuiltPanel { outline, points, place, triangles })
+}
+
+/// All panels at one resolution, every point a particle of its own, and the edges along their outlines by
+/// their points.
+fn build_open(
+    pattern: &Pattern,
+    outlines: &Outlines,
+    level: usize,
+    resolution: f64,
+) -> Result<(Level, Vec<RimEdge>), Error> {
+    let panels: Vec<Result<BuiltPanel, Error>> = (0..pattern.panels.len())
+        .into_par_iter()
+        .map(|index| build_panel(pattern, outlines, index, level, resolution))
+        .collect();
+    let panels: Vec<BuiltPanel> = panels.into_iter().collect::<Result<_, Error>>()?;
     let mut built = Level {
         resolution,
         particle_count: 0,
@@ -135,42 +188,30 @@ fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: 
         segments: Vec::new(),
         eased: Vec::new(),
     };
-    for (index, panel) in pattern.panels.iter().enumerate() {
-        let outline = outlines.outline(pattern, index, level);
-        let mesh = triangulate(&outline, resolution).map_err(|e| e.within(format!("panel \"{}\"", panel.name)))?;
-        if cfg!(debug_assertions) {
-            mesh.sanity_check();
-        }
+    for (panel, mesh) in pattern.panels.iter().zip(panels) {
         let (first_point, first_triangle) = (built.rest.len(), built.triangles.len());
-        let order = morton_order(&mesh.points);
-        let mut place = vec![0; order.len()];
-        for (new, &old) in order.iter().enumerate() {
-            place[old as usize] = (first_point + new) as u32;
-        }
-        built.rest.extend(order.iter().map(|&old| mesh.points[old as usize]));
-        // A clockwise outline has its right side on -z: its triangles run clockwise too.
-        let turned = panel.signed_area() < 0.0;
-        let mut triangles: Vec<[u32; 3]> = mesh
-            .triangles
-            .iter()
-            .map(|t| if turned { [t[0], t[2], t[1]] } else { *t }.map(|p| place[p as usize]))
-            .map(|t| {
-                let first = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
-                [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
-            })
-            .collect();
-        triangles.sort_unstable();
-        built.hinges.extend(panel_hinges(&triangles, first_triangle as u32));
-        built.triangles.extend(triangles);
+        let place = |p: u32| first_point as u32 + p;
+        built.triangles.extend(mesh.triangles.iter().map(|t| t.map(place)));
+        built.rest.extend(mesh.points);
         built.panels.push(PanelRange {
             points: first_point..built.rest.len(),
             triangles: first_triangle..built.triangles.len(),
         });
         let along = |k: usize| {
-            let steps = outline.segments[k].1;
-            (0..=steps).map(|s| place[outline.point_of(k, s)]).collect()
+            let steps = mesh.outline.segments[k].1;
+            (0..=steps).map(|s| place(mesh.place[mesh.outline.point_of(k, s)])).collect()
         };
         built.segments.push((0..panel.segments.len()).map(along).collect());
+    }
+    let edges: Vec<_> = built
+        .panels
+        .par_iter()
+        .map(|range| panel_edges(&built.triangles[range.triangles.clone()], range.triangles.start as u32))
+        .collect();
+    let mut rim = Vec::new();
+    for panel in edges {
+        built.hinges.extend(panel.hinges);
+        rim.extend(panel.rim);
     }
     built.particle_count = built.rest.len();
     built.particle_of = (0..built.rest.len() as u32).collect();
@@ -190,12 +231,12 @@ fn build_open(pattern: &Pattern, outlines: &Outlines, level: usize, resolution: 
         built.stitches.extend(pairs);
         built.seams.push(sides);
     }
-    built.eased = eased(&built, pattern);
-    Ok(built)
+    built.eased = eased(&built, &rim, pattern);
+    Ok((built, rim))
 }
 
 /// The same level with its stitches closed: partners are one particle.
-fn sewn(open: &Level, pattern: &Pattern) -> Level {
+fn sewn(open: Level, rim: &[RimEdge], pattern: &Pattern) -> Level {
     let mut sets = UnionFind::new(open.particle_count);
     for &[a, b] in &open.stitches {
         sets.union(a, b);
@@ -212,38 +253,30 @@ fn sewn(open: &Level, pattern: &Pattern) -> Level {
             *number
         })
         .collect();
-    let mut level = Level { particle_count: count as usize, particle_of, stitches: Vec::new(), ..open.clone() };
-    level.hinges.extend(seam_hinges(&level, pattern));
+    let mut level = Level { particle_count: count as usize, particle_of, stitches: Vec::new(), ..open };
+    level.hinges.extend(seam_hinges(&level, rim, pattern));
     level
 }
 
-/// Border edges of the panels by their points, the smaller first: their triangle and its tip.
-type Rim = std::collections::HashMap<(u32, u32), (u32, u8)>;
-
-fn rim(level: &Level) -> Rim {
-    let mut rim = Rim::new();
-    for (t, &[a, b, c]) in level.triangles.iter().enumerate() {
-        for (tip, (p, q)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
-            rim.insert((p.min(q), p.max(q)), (t as u32, tip as u8));
-        }
-    }
-    rim
+/// The edge along an outline between two neighbours; `rim` is sorted.
+fn rim_edge(rim: &[RimEdge], neighbours: &[u32]) -> RimEdge {
+    let [a, b] = [neighbours[0], neighbours[1]];
+    let found = rim.binary_search_by_key(&[a.min(b), a.max(b)], |edge| edge.ends);
+    rim[found.expect("neighbours along an outline share an edge")]
 }
 
 /// Hinges across the closed seams. A seam that folds one panel over the other has none: the fold
 /// is free.
-fn seam_hinges(level: &Level, pattern: &Pattern) -> Vec<Hinge> {
-    let rim = rim(level);
+fn seam_hinges(level: &Level, rim: &[RimEdge], pattern: &Pattern) -> Vec<Hinge> {
     let mut hinges = Vec::new();
     for (seam, [side_a, side_b]) in pattern.seams.iter().zip(&level.seams) {
         if seam.sense == Sense::Aligned {
             continue;
         }
         for (a, b) in side_a.windows(2).zip(side_b.windows(2)) {
-            let at = |w: &[u32]| rim[&(w[0].min(w[1]), w[0].max(w[1]))];
-            let ((ta, tip_a), (tb, tip_b)) = (at(a), at(b));
-            if ta != tb {
-                hinges.push(Hinge { triangles: [ta, tb], tips: [tip_a, tip_b] });
+            let (a, b) = (rim_edge(rim, a), rim_edge(rim, b));
+            if a.triangle != b.triangle {
+                hinges.push(Hinge { triangles: [a.triangle, b.triangle], tips: [a.tip, b.tip] });
             }
         }
     }
@@ -251,15 +284,14 @@ fn seam_hinges(level: &Level, pattern: &Pattern) -> Vec<Hinge> {
 }
 
 /// The edges on the longer sides of the seams.
-fn eased(level: &Level, pattern: &Pattern) -> Vec<Eased> {
-    let rim = rim(level);
+fn eased(level: &Level, rim: &[RimEdge], pattern: &Pattern) -> Vec<Eased> {
     let mut eased = Vec::new();
     for (seam, sides) in pattern.seams.iter().zip(&level.seams) {
         let [a, b] = pattern.seam_lengths(seam);
         let (longer, ratio) = if a > b { (&sides[0], b / a) } else { (&sides[1], a / b) };
         if ratio < 1.0 - EQUAL_LENGTHS {
             eased.extend(longer.windows(2).map(|w| {
-                let (triangle, tip) = rim[&(w[0].min(w[1]), w[0].max(w[1]))];
+                let RimEdge { triangle, tip, .. } = rim_edge(rim, w);
                 Eased { triangle, tip, ratio }
             }));
         }
@@ -272,20 +304,22 @@ const EQUAL_LENGTHS: f64 = 1e-3;
 
 /// Sewing must neither fold a triangle onto itself nor lay two triangles on one another.
 fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {
-    let mut seen = std::collections::HashMap::new();
-    let panel_of = level.panel_of_triangle();
-    for (t, mut corners) in level.particle_triangles().into_iter().enumerate() {
-        corners.sort_unstable();
-        let folded = corners[0] == corners[1] || corners[1] == corners[2];
-        let other = seen.insert(corners, t);
-        if folded || other.is_some() {
-            let panel = &pattern.panels[panel_of[t] as usize].name;
-            return Err(Error::new(
-                format!("It is narrower than the resolution of {} mm can sew.", level.resolution * 1e3),
-                "Ask for finer levels, such as --levels \"20,10,5 mm\".",
-            )
-            .within(format!("panel \"{panel}\"")));
-        }
-    }
-    Ok(())
+    // Only a triangle with a sewn corner can be what sewing has spoiled.
+    let mut points = vec![0u8; level.particle_count];
+    level.particle_of.iter().for_each(|&p| points[p as usize] = points[p as usize].saturating_add(1));
+    let mut at_seams: Vec<([u32; 3], usize)> = (0..level.triangles.len())
+        .map(|t| (level.particles(t), t))
+        .filter(|(corners, _)| corners.iter().any(|&p| points[p as usize] > 1))
+        .collect();
+    at_seams.iter_mut().for_each(|(corners, _)| corners.sort_unstable());
+    at_seams.sort_unstable();
+    let folded = at_seams.iter().filter(|([a, b, c], _)| a == b || b == c).map(|(_, t)| *t);
+    let doubled = at_seams.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1);
+    let Some(first) = folded.chain(doubled).min() else { return Ok(()) };
+    let panel = &pattern.panels[level.panel_of_triangle()[first] as usize].name;
+    Err(Error::new(
+        format!("It is narrower than the resolution of {} mm can sew.", level.resolution * 1e3),
+        "Ask for finer levels, such as --levels \"20,10,5 mm\".",
+    )
+    .within(format!("panel \"{panel}\"")))
 }

@@ -10,7 +10,7 @@ mod union_find;
 pub use intersection::{polygon_crossing, segment_meets_triangle, triangles_intersect};
 pub use nearest::{SegmentPair, closest_between_segments, closest_on_triangle, triangle_distance};
 pub use run_tree::RunTree;
-pub use topology::{Edge, EdgeTable};
+pub use topology::{Beside, Edge, EdgeTable};
 pub use tree::BoxTree;
 pub use union_find::UnionFind;
 
