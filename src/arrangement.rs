@@ -12,6 +12,7 @@ use crate::body::{Body, DistanceField};
 use crate::garment::{Level, PanelRange};
 use crate::geometry::{BoxTree, EdgeTable, UnionFind, Vector3, triangle_distance};
 use crate::pattern::Pattern;
+use rayon::prelude::*;
 
 /// First positions, and how they differ from the pattern's own placement.
 pub struct Arrangement {
@@ -21,8 +22,6 @@ pub struct Arrangement {
     pub shifts: Vec<Vector3>,
 }
 
-/// Side of a cell of the distance field that the search asks, m: coarse, as it asks often.
-const FIELD_CELL: f64 = 0.012;
 /// Steps of the search, m, long to short.
 const STEPS: [f64; 4] = [0.04, 0.02, 0.01, 0.005];
 /// A turn by this, rad, goes with a step of one metre: 7 degrees with the longest.
@@ -36,7 +35,7 @@ const SIGHT_SPACING: f64 = 0.01;
 /// Lines and panels should pass the body at least this far outside, m: the thickness of a seam.
 const SIGHT_CLEARANCE: f64 = 0.005;
 /// And if they can, this far, m: a tube that closes around a limb turns some way around it.
-const SIGHT_MARGIN: f64 = 0.04;
+pub const SIGHT_MARGIN: f64 = 0.04;
 /// What a line costs that passes the body at no distance, over one that passes inside it.
 const MARGIN_PRICE: f64 = 0.3;
 /// What a metre of shift costs, for each stitch, in metres of blocked line: panels move when that
@@ -112,9 +111,10 @@ const OUTLINE_POINTS: usize = 4;
 const FARTHEST_ASIDE: f64 = 0.5;
 
 /// Places the panels and moves them where the body is in the way of their seams.
-pub fn arrange(pattern: &Pattern, open: &Level, body: &Body) -> Arrangement {
-    let field = DistanceField::new(body, FIELD_CELL, SIGHT_MARGIN);
-    let search = Search::new(pattern, open, &field);
+///
+/// The field should know distances up to [`SIGHT_MARGIN`] outside the body.
+pub fn arrange(pattern: &Pattern, open: &Level, field: &DistanceField) -> Arrangement {
+    let search = Search::new(pattern, open, field);
     let motions = search.run(pattern);
     let shifts = motions.iter().zip(&search.middles).map(|(motion, &middle)| motion.of(middle) - middle).collect();
     let mut positions = search.positions;
@@ -282,19 +282,27 @@ impl<'a> Search<'a> {
         let center = group.iter().map(|&p| motions[p].of(self.middles[p])).sum::<Vector3>() / group.len() as f64;
         let shifts = DIRECTIONS.map(Vector3::from).into_iter().chain([outward]).map(|d| (0.0, d * step));
         let turns = [TURN * step, -TURN * step].map(|angle| (angle, Vector3::zeros()));
+        let too_far = |(m, &p): (&Motion, &usize)| {
+            (m.of(self.middles[p]) - self.middles[p]).norm() > FARTHEST || m.angle.abs() > FARTHEST_TURN
+        };
+        let trials = shifts.chain(turns).map(|(angle, by)| start.iter().map(|m| m.then(angle, center, by)).collect());
+        let mut trials: Vec<Vec<Motion>> = trials.collect();
+        trials.retain(|trial| !trial.iter().zip(group).any(too_far));
+        let costs: Vec<f64> = trials
+            .par_iter()
+            .map(|trial| {
+                let mut motions = motions.to_vec();
+                group.iter().zip(trial).for_each(|(&p, m)| motions[p] = *m);
+                self.cost(group, &motions)
+            })
+            .collect();
         let mut best = (self.cost(group, motions), start.clone());
-        for (angle, by) in shifts.chain(turns) {
-            let trial: Vec<Motion> = start.iter().map(|m| m.then(angle, center, by)).collect();
-            let too_far = |(m, &p): (&Motion, &usize)| {
-                (m.of(self.middles[p]) - self.middles[p]).norm() > FARTHEST || m.angle.abs() > FARTHEST_TURN
-            };
-            if trial.iter().zip(group).any(too_far) {
-                continue;
-            }
-            group.iter().zip(&trial).for_each(|(&p, m)| motions[p] = *m);
-            let cost = self.cost(group, motions);
-            if cost < best.0 - 1e-9 && !self.touches_others(group, motions) {
-                best = (cost, trial);
+        for (trial, cost) in trials.into_iter().zip(costs) {
+            if cost < best.0 - 1e-9 {
+                group.iter().zip(&trial).for_each(|(&p, m)| motions[p] = *m);
+                if !self.touches_others(group, motions) {
+                    best = (cost, trial);
+                }
             }
         }
         group.iter().zip(&best.1).for_each(|(&p, m)| motions[p] = *m);
@@ -375,17 +383,16 @@ impl<'a> Search<'a> {
         let samples = (length / SIGHT_SPACING).ceil();
         // A sample counts whole once it is as deep as samples are apart: the cost has no steps.
         let share = |k: usize| {
-            self.field.sample(a.lerp(&b, k as f64 / samples)).map_or(0.0, |s| {
-                let inside = ((SIGHT_CLEARANCE - s.distance) / SIGHT_SPACING).clamp(0.0, 1.0);
-                let near = (1.0 - s.distance / SIGHT_MARGIN).clamp(0.0, 1.0);
-                inside + MARGIN_PRICE * near * near
-            })
+            let distance = self.field.distance(a.lerp(&b, k as f64 / samples));
+            let inside = ((SIGHT_CLEARANCE - distance) / SIGHT_SPACING).clamp(0.0, 1.0);
+            let near = (1.0 - distance / SIGHT_MARGIN).clamp(0.0, 1.0);
+            inside + MARGIN_PRICE * near * near
         };
         length * (1..samples as usize).map(share).sum::<f64>() / samples.max(1.0)
     }
 
     fn depth(&self, point: Vector3) -> f64 {
-        self.field.sample(point).map_or(0.0, |s| (SIGHT_CLEARANCE - s.distance).max(0.0))
+        (SIGHT_CLEARANCE - self.field.distance(point)).max(0.0)
     }
 }
 
@@ -430,7 +437,7 @@ mod tests {
         let panels = vec![square("front", 0.55, 0.6), square("back", 0.55, -0.6)];
         let pattern = Pattern { name: "test".into(), panels, seams };
         let garment = Garment::build(&pattern, &[0.05]).unwrap();
-        let arrangement = arrange(&pattern, &garment.open, &body);
+        let arrangement = arrange(&pattern, &garment.open, &DistanceField::new(&body, 0.012, SIGHT_MARGIN));
         for shift in arrangement.shifts {
             assert!((0.04..0.1).contains(&shift.y) && shift.x.abs() < 0.01, "{shift}");
         }

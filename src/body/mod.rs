@@ -2,6 +2,7 @@
 
 mod distance_field;
 pub mod mannequin;
+mod skin;
 mod validate;
 mod winding;
 
@@ -9,19 +10,20 @@ pub use distance_field::{DistanceField, STEEPEST, Sample};
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle};
 use crate::{Error, Warning};
+use skin::{Exposure, Skin};
 
 /// A closed, outward-facing triangle mesh, m, y up, facing +z.
 pub struct Body {
     positions: Vec<Vector3>,
     triangles: Vec<[u32; 3]>,
     tree: BoxTree,
+    skin: Skin,
 }
 
-/// The point of the body that is nearest to some other point.
+/// The point of the body's skin that is nearest to some other point.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
     pub triangle: u32,
-    pub weights: [f64; 3],
     /// m, world.
     pub point: Vector3,
     /// m, not negative; [`Body::winding_number`] tells the side.
@@ -32,8 +34,9 @@ impl Body {
     /// Checks and takes over a mesh. The warnings name what is doubtful.
     pub fn new(positions: Vec<Vector3>, triangles: Vec<[u32; 3]>) -> Result<(Self, Vec<Warning>), Error> {
         let warnings = validate::validate(&positions, &triangles)?;
-        let tree = BoxTree::of_triangles(triangles.iter().map(|t| t.map(|v| positions[v as usize])), 0.0);
-        Ok((Self { positions, triangles, tree }, warnings))
+        let corners = triangles.iter().map(|t| t.map(|v| positions[v as usize]));
+        let (tree, skin) = rayon::join(|| BoxTree::of_triangles(corners, 0.0), || Skin::new(&positions, &triangles));
+        Ok((Self { positions, triangles, tree, skin }, warnings))
     }
 
     /// m, world; one per vertex.
@@ -57,16 +60,38 @@ impl Body {
         (low, high)
     }
 
-    /// The nearest point of the surface, if one is within `reach`, m.
+    /// The nearest point of the skin, if one is within `reach`, m. What lies inside another part of the body
+    /// is no skin.
     pub fn nearest(&self, point: Vector3, reach: f64) -> Option<Nearest> {
-        let on = |index: u32| {
-            let corners = self.corners(index);
-            let weights = closest_on_triangle(point, corners);
-            (weights, corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2])
+        let on = |corners: [Vector3; 3]| {
+            let [a, b, c] = closest_on_triangle(point, corners);
+            corners[0] * a + corners[1] * b + corners[2] * c
         };
-        let (triangle, squared) = self.tree.nearest(point, reach, |index| (on(index).1 - point).norm_squared())?;
-        let (weights, point) = on(triangle);
-        Some(Nearest { triangle, weights, point, distance: squared.sqrt() })
+        let squared = |on: Vector3| (on - point).norm_squared();
+        let best = |index: u32| match self.skin.exposure(index) {
+            Exposure::Whole => Some(on(self.corners(index))),
+            Exposure::Hidden => None,
+            Exposure::Partly(range) => {
+                let places = self.skin.pieces(range).iter().map(|&piece| on(piece));
+                places.min_by(|&p, &q| squared(p).total_cmp(&squared(q)))
+            }
+        };
+        let to = |index: u32| best(index).map_or(f64::INFINITY, squared);
+        let (triangle, squared) = self.tree.nearest(point, reach, to)?;
+        Some(Nearest { triangle, point: best(triangle)?, distance: squared.sqrt() })
+    }
+
+    /// The corners of all that is exposed: triangles, and pieces of those that are partly hidden.
+    fn exposed(&self) -> Vec<[Vector3; 3]> {
+        let mut exposed = Vec::with_capacity(self.triangles.len());
+        for t in 0..self.triangles.len() as u32 {
+            match self.skin.exposure(t) {
+                Exposure::Whole => exposed.push(self.corners(t)),
+                Exposure::Hidden => {}
+                Exposure::Partly(range) => exposed.extend(self.skin.pieces(range)),
+            }
+        }
+        exposed
     }
 
     /// Calls `visit` with every triangle whose box meets the box `low..high`.
@@ -80,7 +105,7 @@ impl Body {
         self.winding_number(point) > 0
     }
 
-    /// Distance to the surface, m, negative inside; exact, for when the field's accuracy is not enough.
+    /// Distance to the skin, m, negative inside; exact, for when the field's accuracy is not enough.
     pub fn signed_distance(&self, point: Vector3) -> f64 {
         let distance = self.nearest(point, f64::INFINITY).map_or(f64::INFINITY, |n| n.distance);
         if self.contains(point) { -distance } else { distance }

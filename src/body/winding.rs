@@ -29,25 +29,34 @@ pub fn crossing_sense(point: Vector3, corners: [Vector3; 3]) -> i32 {
     if covers(a, b) && covers(b, c) && covers(c, a) { sense } else { 0 }
 }
 
+/// How often a surface winds around a point. `for_each_meeting` calls back with the corners of each of its
+/// triangles whose box meets a box, given by its lowest and highest corner.
+pub fn winding_number(
+    point: Vector3,
+    for_each_meeting: impl FnOnce(Vector3, Vector3, &mut dyn FnMut([Vector3; 3])),
+) -> i32 {
+    let coord = |p: Vector3| Coord3D { x: p.x, y: p.y, z: p.z };
+    let mut winding = 0;
+    for_each_meeting(point, Vector3::new(f64::MAX, point.y, point.z), &mut |corners| {
+        let sense = crossing_sense(point, corners);
+        if sense != 0 {
+            // `orient3d` is positive when the point lies below the triangle, against its normal.
+            let below = orient3d(coord(corners[0]), coord(corners[1]), coord(corners[2]), coord(point));
+            if (below > 0.0) == (sense > 0) && below != 0.0 {
+                winding += sense;
+            }
+        }
+    });
+    winding
+}
+
 impl Body {
     /// How often the surface winds around the point: 0 outside, 1 inside, 2 where two parts of the
     /// body overlap.
     pub fn winding_number(&self, point: Vector3) -> i32 {
-        let coord = |p: Vector3| Coord3D { x: p.x, y: p.y, z: p.z };
-        let mut winding = 0;
-        let far = Vector3::new(f64::MAX, point.y, point.z);
-        self.for_each_meeting(point, far, |triangle| {
-            let corners = self.corners(triangle);
-            let sense = crossing_sense(point, corners);
-            if sense != 0 {
-                // `orient3d` is positive when the point lies below the triangle, against its normal.
-                let below = orient3d(coord(corners[0]), coord(corners[1]), coord(corners[2]), coord(point));
-                if (below > 0.0) == (sense > 0) && below != 0.0 {
-                    winding += sense;
-                }
-            }
-        });
-        winding
+        winding_number(point, |low, high, visit| {
+            self.for_each_meeting(low, high, |triangle| visit(self.corners(triangle)));
+        })
     }
 }
 

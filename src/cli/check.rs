@@ -11,6 +11,7 @@ use crate::garment::Garment;
 use crate::geometry::Vector3;
 use crate::io::length::describe;
 use crate::pattern::Pattern;
+use crate::prepositioning::{DEFAULT_CLEARANCE, distance_field};
 use crate::{Error, Warning};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -140,7 +141,8 @@ fn standing(pattern: &Pattern, garment: &Garment, body: &BodyInput) -> Vec<Strin
             doubts.push(format!("panel \"{}\": {count} of {of} particles start inside the body.", panel.name));
         }
     }
-    let shifts = arrange(pattern, &garment.open, &body.body).shifts;
+    let field = distance_field(&body.body, DEFAULT_CLEARANCE);
+    let shifts = arrange(pattern, &garment.open, &field).shifts;
     for (panel, shift) in pattern.panels.iter().zip(shifts) {
         if shift.norm() > FAR_MOVE {
             doubts.push(format!(

@@ -17,13 +17,13 @@ pub use problem::{Relaxation, Residual};
 pub use settings::{COARSEST_LEVEL, DEFAULT_CLEARANCE, FinishLine, Settings};
 
 use crate::Error;
-use crate::arrangement::{arrange, check_placement};
+use crate::arrangement::{SIGHT_MARGIN, arrange, check_placement};
 use crate::assess::assess;
 use crate::body::{Body, DistanceField};
 use crate::garment::Garment;
 use crate::pattern::{Fabric, Pattern};
 
-/// Side of a cell of the body's distance field, m: a third of a finger.
+/// Side of a cell of the body's distance field near the skin, m: a third of a finger.
 const FIELD_CELL: f64 = 0.006;
 /// How far outside the body the field reaches beyond the clearance, m.
 const FIELD_BAND: f64 = 0.01;
@@ -49,9 +49,10 @@ fn sew_and_relax(
     settings: &Settings,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, Error> {
-    let garment = Garment::build(pattern, &settings.resolutions)?;
-    let field = DistanceField::new(body, FIELD_CELL, settings.clearance + FIELD_BAND);
-    let arrangement = arrange(pattern, &garment.open, body);
+    let (garment, field) =
+        rayon::join(|| Garment::build(pattern, &settings.resolutions), || distance_field(body, settings.clearance));
+    let garment = garment?;
+    let arrangement = arrange(pattern, &garment.open, &field);
     observer.event(&Event::Arranged { shifts: &arrangement.shifts });
     let scene = Scene { pattern, fabric, garment: &garment, body, field: &field, settings };
 
@@ -75,6 +76,12 @@ fn sew_and_relax(
         assessment,
         garment,
     })
+}
+
+/// The distances that a fit with this clearance, m, asks for: one field serves the search for a start, which
+/// looks farther, and contact, which looks closer.
+pub fn distance_field(body: &Body, clearance: f64) -> DistanceField {
+    DistanceField::new(body, FIELD_CELL, SIGHT_MARGIN.max(clearance + FIELD_BAND))
 }
 
 /// What all stages look at and none changes.
