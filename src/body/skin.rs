@@ -104,7 +104,7 @@ impl<'a> Surface<'a> {
             [cell.x, cell.y, cell.z].iter().zip(0..).fold(0, |code, (&c, axis)| code | (spread(c as u32) << axis))
         };
         let mut codes: Vec<u64> =
-            (0..triangles.len() as u32).map(|t| u64::from(code(t)) << 32 | u64::from(t)).collect();
+            (0..triangles.len() as u32).map(|t| (u64::from(code(t)) << 32) | u64::from(t)).collect();
         codes.sort_unstable();
         let order: Vec<u32> = codes.into_iter().map(|c| c as u32).collect();
         let boxed = |&t: &u32| {

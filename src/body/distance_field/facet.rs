@@ -235,7 +235,7 @@ fn larger(a: f32, b: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::closest_on_triangle;
+    use crate::geometry::{closest_between_segments, closest_on_triangle};
     use proptest::prelude::*;
 
     fn point() -> impl Strategy<Value = Vector3> {
@@ -262,8 +262,14 @@ mod tests {
             for node in 0..count {
                 let [x, y, z] = [node % 40, node / grid.layer(), node / 40 % 34];
                 let at = grid.position([x, y, z]);
+                // Of a triangle without area the face may miss the nearest side.
                 let w = closest_on_triangle(at, [a, b, c]);
-                let exact = (a * w[0] + b * w[1] + c * w[2] - at).norm();
+                let to_face = (a * w[0] + b * w[1] + c * w[2] - at).norm();
+                let sides = [[a, b], [b, c], [c, a]].map(|side| {
+                    let t = closest_between_segments([at, at], side).t;
+                    (side[0].lerp(&side[1], t) - at).norm()
+                });
+                let exact = sides.into_iter().fold(to_face, f64::min);
                 if exact < reach || nearest[node] == 7 {
                     prop_assert!((f64::from(squared[node].sqrt()) - exact).abs() < 1e-5, "{} {exact}", squared[node].sqrt());
                     prop_assert_eq!(nearest[node], 7);
