@@ -43,8 +43,6 @@ const IN_PLANE: f64 = 1e-9;
 const MOST_CUTS: usize = 16;
 /// A patch counts as hidden when so many of its triangles are, evenly chosen.
 const PATCH_SAMPLES: usize = 8;
-/// Triangles to a piece of parallel work.
-const CHUNK: usize = 512;
 
 impl Skin {
     /// The skin of a closed mesh: m, world; vertices of each triangle, counter-clockwise from outside.
@@ -125,33 +123,22 @@ impl<'a> Surface<'a> {
         let Some(up) = (b - a).cross(&(c - a)).try_normalize(0.0) else { return false };
         let point = polygon.iter().sum::<Vector3>() / polygon.len() as f64 + up * ABOVE;
         winding_number(point, |low, high, visit| {
-            self.tree.for_each_meeting(low, high, 0, |k| visit(self.corners(self.order[k as usize])));
+            self.tree.for_each_meeting_box(low, high, |k| visit(self.corners(self.order[k as usize])));
         }) > 0
     }
 
     /// Per triangle: those that cross it, ascending.
     fn crossings(&self) -> Vec<Vec<u32>> {
-        let ranks: Vec<u32> = (0..self.order.len() as u32).collect();
-        let pairs: Vec<[u32; 2]> = ranks
-            .par_chunks(CHUNK)
-            .flat_map_iter(|ranks| {
-                let mut pairs = Vec::new();
-                for &rank in ranks {
-                    let t = self.order[rank as usize];
-                    let (mine, corners) = (self.triangles[t as usize], self.corners(t));
-                    let [a, b, c] = corners;
-                    let plane = Plane::of(corners);
-                    self.tree.for_each_meeting(a.inf(&b).inf(&c), a.sup(&b).sup(&c), rank + 1, |other| {
-                        let u = self.order[other as usize];
-                        let apart = self.triangles[u as usize].iter().all(|v| !mine.contains(v));
-                        if apart && plane.may_cut(&self.corners(u)) && triangles_intersect(corners, self.corners(u)) {
-                            pairs.push([t, u]);
-                        }
-                    });
-                }
-                pairs
-            })
-            .collect();
+        let planes: Vec<Plane> = self.order.iter().map(|&t| Plane::of(self.corners(t))).collect();
+        let pairs = self.tree.collect_pairs(|rank, other, pairs: &mut Vec<[u32; 2]>| {
+            let (t, u) = (self.order[rank as usize], self.order[other as usize]);
+            let mine = self.triangles[t as usize];
+            let apart = self.triangles[u as usize].iter().all(|v| !mine.contains(v));
+            let (corners, others) = (self.corners(t), self.corners(u));
+            if apart && planes[rank as usize].may_cut(&others) && triangles_intersect(corners, others) {
+                pairs.push([t, u]);
+            }
+        });
         let mut crossings = vec![Vec::new(); self.triangles.len()];
         for [t, u] in pairs {
             crossings[t as usize].push(u);

@@ -128,6 +128,13 @@ impl RunTree {
         self.descend(self.levels.len() - 1, 0, bounds, &mut visit);
     }
 
+    /// Calls `visit` with the index of every box that meets the box `low..high`, ascending.
+    pub fn for_each_meeting_box(&self, low: Vector3, high: Vector3, mut visit: impl FnMut(u32)) {
+        if !self.levels[0].is_empty() {
+            self.descend(self.levels.len() - 1, 0, rounded_outwards((low, high)), &mut visit);
+        }
+    }
+
     fn descend(&self, level: usize, run: usize, bounds: Bounds, visit: &mut impl FnMut(u32)) {
         let mut meeting = self.levels[level][run].meeting(bounds);
         while meeting != 0 {
