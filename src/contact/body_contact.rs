@@ -11,14 +11,15 @@
 //! On fine levels the particles are the sample points. On coarse ones a triangle can cut through an
 //! arm between its particles, so its edges carry samples as well.
 //!
-//! Friction is Coulomb's, as springs from where a sample first touched (its anchor); an anchor that
-//! is pulled harder than `μ N` slips after. Anchors move in [`BodyContact::update_anchors`] only:
-//! between two calls the energy is a function of the positions.
+//! Friction is Coulomb's, as a spring from where a sample first touched (its anchor) that pulls with
+//! `μ N` at most. Anchors move, and learn the normal force `N`, in [`BodyContact::update_anchors`] only:
+//! between two calls the energy is a function of the positions, with a continuous gradient.
 
 use crate::body::{Body, DistanceField, STEEPEST};
 use crate::garment::Level;
 use crate::geometry::{EdgeTable, Vector3};
 use crate::minimize::CHUNK;
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 /// How the cloth is held clear of the body.
@@ -61,11 +62,41 @@ impl Sighting {
     const NONE: Sighting = Sighting { place: Vector3::new(0.0, 0.0, 0.0), distance: f64::NEG_INFINITY };
 }
 
-/// Where a sample sticks.
+/// Where a sample sticks, and how fast.
 #[derive(Clone, Copy, Debug)]
 struct Anchor {
     point: Vector3,
     normal: Vector3,
+    /// The most it pulls, N.
+    limit: f64,
+}
+
+impl Anchor {
+    /// Energy and gradient of a sample that is `stiffness` bound, N/m: quadratic up to the limit,
+    /// linear beyond.
+    #[inline]
+    fn pull(&self, position: Vector3, stiffness: f64) -> (f64, Vector3) {
+        let span = tangential(position - self.point, self.normal);
+        let length = span.norm();
+        if length * stiffness <= self.limit {
+            (0.5 * stiffness * length * length, span * stiffness)
+        } else {
+            (self.limit * (length - 0.5 * self.limit / stiffness), span * (self.limit / length))
+        }
+    }
+
+    /// Its Hessian.
+    #[inline]
+    fn hessian(&self, position: Vector3, stiffness: f64) -> Matrix3<f64> {
+        let span = tangential(position - self.point, self.normal);
+        let length = span.norm();
+        let plane = Matrix3::identity() - self.normal * self.normal.transpose();
+        if length * stiffness <= self.limit {
+            plane * stiffness
+        } else {
+            (plane - span * span.transpose() / (length * length)) * (self.limit / length)
+        }
+    }
 }
 
 /// Contact of one level with the body.
@@ -164,24 +195,88 @@ impl<'a> BodyContact<'a> {
     }
 
     /// `dᵀ H d` at the last evaluation, without the curvature of the body.
-    pub fn curvature(&self, direction: &[Vector3]) -> f64 {
-        let along = |touch: &Touch, anchor: &Option<Anchor>, d: Vector3| {
-            if touch.depth <= 0.0 {
-                return 0.0;
-            }
-            let sticking = anchor.as_ref().map_or(0.0, |a| STICKING * tangential(d, a.normal).norm_squared());
-            touch.normal.dot(&d).powi(2) + sticking
+    pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
+        let k = self.settings.stiffness;
+        let along = |touch: &Touch, anchor: &Option<Anchor>, position: Vector3, d: Vector3| {
+            let pressing = if touch.depth > 0.0 { k * touch.normal.dot(&d).powi(2) } else { 0.0 };
+            pressing + anchor.as_ref().map_or(0.0, |a| d.dot(&(a.hessian(position, STICKING * k) * d)))
         };
         let samples = || self.touches.iter().zip(&self.anchors);
-        let particles: f64 = samples().zip(direction).map(|((t, a), &d)| along(t, a, d)).sum();
-        let middles: f64 =
-            samples().skip(direction.len()).zip(&self.middles).map(|((t, a), m)| along(t, a, m.of(direction))).sum();
-        self.settings.stiffness * (particles + middles)
+        let particles: f64 =
+            samples().zip(positions.iter().zip(direction)).map(|((t, a), (&p, &d))| along(t, a, p, d)).sum();
+        let middles: f64 = samples()
+            .skip(direction.len())
+            .zip(&self.middles)
+            .map(|((t, a), m)| along(t, a, m.of(positions), m.of(direction)))
+            .sum();
+        particles + middles
+    }
+
+    /// Block of the Hessian of a particle's own contact at the last evaluation, N/m: the pressing with
+    /// the sticking, and what the curvature of the body adds to it.
+    pub fn hessian_of(&self, particle: usize, position: Vector3) -> [Matrix3<f64>; 2] {
+        let k = self.settings.stiffness;
+        let (touch, mut definite) = (self.touches[particle], Matrix3::zeros());
+        let mut curved = Matrix3::zeros();
+        if touch.depth > 0.0 {
+            definite += touch.normal * touch.normal.transpose() * k;
+            curved = self.field_curvature(position) * (-k * touch.depth);
+        }
+        if let Some(anchor) = self.anchors[particle] {
+            definite += anchor.hessian(position, STICKING * k);
+        }
+        [definite, curved]
+    }
+
+    /// `∇²d`, 1/m, by differences: the field is quadratic between its nodes.
+    fn field_curvature(&self, at: Vector3) -> Matrix3<f64> {
+        const STEP: f64 = 1e-6;
+        let slope = |by: Vector3| self.field.sample(at + by).map_or(Vector3::zeros(), |s| s.gradient);
+        let columns: [Vector3; 3] = std::array::from_fn(|axis| {
+            let by = Vector3::from_fn(|k, _| if k == axis { STEP } else { 0.0 });
+            (slope(by) - slope(-by)) / (2.0 * STEP)
+        });
+        let curvature = Matrix3::from_columns(&columns);
+        (curvature + curvature.transpose()) * 0.5
+    }
+
+    /// Adds the Hessian of the contacts at the middles of edges, at the last evaluation, times a direction.
+    pub fn middles_times(&self, positions: &[Vector3], direction: &[Vector3], product: &mut [Vector3]) {
+        for (middle, block) in self.middle_hessians(positions) {
+            let pull = block * middle.of(direction) * 0.5;
+            for p in middle.ends {
+                product[p as usize] += pull;
+            }
+        }
+    }
+
+    /// Adds an upper bound of the same to the particles' own blocks.
+    pub fn add_middles(&self, positions: &[Vector3], bounds: &mut [Matrix3<f64>]) {
+        for (middle, block) in self.middle_hessians(positions) {
+            for p in middle.ends {
+                bounds[p as usize] += block * 0.5;
+            }
+        }
+    }
+
+    fn middle_hessians<'b>(&'b self, positions: &'b [Vector3]) -> impl Iterator<Item = (&'b Middle, Matrix3<f64>)> {
+        let k = self.settings.stiffness;
+        let samples = self.touches.iter().zip(&self.anchors).skip(positions.len());
+        self.middles.iter().zip(samples).filter_map(move |(middle, (touch, anchor))| {
+            if touch.depth <= 0.0 && anchor.is_none() {
+                return None;
+            }
+            let pressing = touch.normal * touch.normal.transpose() * k;
+            Some((
+                middle,
+                pressing + anchor.map_or(Matrix3::zeros(), |a| a.hessian(middle.of(positions), STICKING * k)),
+            ))
+        })
     }
 
     /// Lets touching samples stick where they are, and those that are pulled too hard slip.
     pub fn update_anchors(&mut self, positions: &[Vector3]) {
-        let friction = self.settings.friction;
+        let BodyContactSettings { friction, stiffness, .. } = self.settings;
         for (k, (touch, anchor)) in self.touches.iter().zip(&mut self.anchors).enumerate() {
             if touch.depth <= 0.0 || friction == 0.0 {
                 *anchor = None;
@@ -191,10 +286,11 @@ impl<'a> BodyContact<'a> {
             let normal = touch.normal.normalize();
             let stuck = anchor.map_or(position, |a| a.point);
             let span = tangential(position - stuck, normal);
-            // Sticks up to |span| k_t = μ k_n depth; the anchor follows what is beyond.
-            let slip = (span.norm() - friction * touch.depth / STICKING).max(0.0);
+            let limit = friction * stiffness * touch.depth;
+            // The anchor follows what is beyond the reach of its pull.
+            let slip = (span.norm() - limit / (STICKING * stiffness)).max(0.0);
             let follow = span.try_normalize(f64::MIN_POSITIVE).map_or(Vector3::zeros(), |along| along * slip);
-            *anchor = Some(Anchor { point: stuck + follow, normal });
+            *anchor = Some(Anchor { point: stuck + follow, normal, limit });
         }
     }
 
@@ -325,15 +421,15 @@ fn sighted(field: &DistanceField, position: Vector3, clearance: f64, last: &mut 
 /// Energy and gradient of one sample.
 #[inline]
 fn push(touch: &Touch, anchor: &Option<Anchor>, position: Vector3, stiffness: f64) -> (f64, Vector3) {
-    if touch.depth <= 0.0 {
-        return (0.0, Vector3::zeros());
+    let (mut energy, mut gradient) = (0.0, Vector3::zeros());
+    if touch.depth > 0.0 {
+        energy += 0.5 * stiffness * touch.depth * touch.depth;
+        gradient -= touch.normal * (stiffness * touch.depth);
     }
-    let mut energy = 0.5 * stiffness * touch.depth * touch.depth;
-    let mut gradient = touch.normal * (-stiffness * touch.depth);
     if let Some(anchor) = anchor {
-        let span = tangential(position - anchor.point, anchor.normal);
-        energy += 0.5 * STICKING * stiffness * span.norm_squared();
-        gradient += span * (STICKING * stiffness);
+        let (stuck_energy, pull) = anchor.pull(position, STICKING * stiffness);
+        energy += stuck_energy;
+        gradient += pull;
     }
     (energy, gradient)
 }

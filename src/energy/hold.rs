@@ -33,6 +33,14 @@ impl Hold {
         0.5 * self.stiffness * sunk * sunk
     }
 
+    /// Adds the Hessian times a direction.
+    pub fn hessian_times(&self, positions: &[Vector3], direction: &[Vector3], product: &mut [Vector3]) {
+        if self.sunk(positions) > 0.0 {
+            let pull = self.stiffness * self.mean(direction) / self.particles.len() as f64;
+            self.particles.iter().for_each(|&p| product[p as usize].y += pull);
+        }
+    }
+
     /// `dᵀ H d`.
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
         if self.sunk(positions) > 0.0 { self.stiffness * self.mean(direction).powi(2) } else { 0.0 }

@@ -140,6 +140,35 @@ impl Triangle {
         stretching + turning
     }
 
+    /// The blocks of the Hessian, N/m, that couple a corner with the three corners. `definite` leaves out
+    /// what pushing edges would make negative.
+    pub fn hessian_row(&self, corners: [Vector3; 3], corner: usize, definite: bool) -> [Matrix3<f64>; 3] {
+        let edges = self.edges(corners);
+        let stress = self.times_stiffness(edges.strain);
+        let [k00, k11, k22, k12, k02, k01] = self.stiffness;
+        let coupling = [[k00, k01, k02], [k01, k11, k12], [k02, k12, k22]];
+        let mut row = [Matrix3::zeros(); 3];
+        // An edge runs from the corner after its own to the one after that: the two edges at a corner,
+        // with the sense in which it is their end.
+        for (k, sense) in [((corner + 1) % 3, 1.0), ((corner + 2) % 3, -1.0)] {
+            let mut along = [Vector3::zeros(); 3];
+            for l in 0..3 {
+                let pull = edges.unit[l] * (coupling[k][l] * self.inverse_rest[k] * self.inverse_rest[l] * sense);
+                along[(l + 2) % 3] += pull;
+                along[(l + 1) % 3] -= pull;
+            }
+            for (block, along) in row.iter_mut().zip(along) {
+                *block += edges.unit[k] * along.transpose();
+            }
+            let tension = stress[k] * self.inverse_rest[k] * edges.inverse_length[k];
+            let turning = if definite { tension.max(0.0) } else { tension };
+            let across = (Matrix3::identity() - edges.unit[k] * edges.unit[k].transpose()) * (turning * sense);
+            row[(k + 2) % 3] += across;
+            row[(k + 1) % 3] -= across;
+        }
+        row
+    }
+
     /// Stiffness that each corner feels, N/m: half the trace of its block of the Hessian at rest, over
     /// the two directions in the plane.
     pub fn diagonal(&self) -> [f64; 3] {

@@ -12,11 +12,13 @@ mod lanes;
 mod membrane;
 mod patch;
 mod stitch;
+mod tangent;
 
 pub use bending::{Bending, CrossSpring, HingeForm, hinge_form};
 pub use hold::Hold;
 pub use membrane::{Membrane, Triangle};
 pub use stitch::Stitches;
+pub use tangent::Tangent;
 
 use crate::garment::Level;
 use crate::geometry::Vector3;

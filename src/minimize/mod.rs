@@ -1,10 +1,17 @@
 //! Minimizers of smooth functions of many points in space. Nothing here has heard of cloth.
 
 mod argmin_door;
+mod block_matrix;
+mod cholesky;
 mod conjugate_gradient;
+mod dissection;
+mod newton;
 
 pub use argmin_door::{ArgminDoor, flattened, unflattened};
+pub use block_matrix::{BlockMatrix, Pattern};
+pub use cholesky::Cholesky;
 pub use conjugate_gradient::{ConjugateGradient, Settings};
+pub use newton::{Newton, SecondOrder};
 
 use crate::geometry::Vector3;
 

@@ -5,6 +5,7 @@
 //! coarsest level; `docs/theory.md` tells where and why we depart from the paper.
 
 mod finish;
+mod hessian;
 mod outcome;
 mod problem;
 mod prolongation;

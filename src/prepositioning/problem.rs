@@ -1,5 +1,6 @@
 //! What is minimized on one level: the energy of the cloth and its contacts.
 
+use super::hessian::Hessian;
 use crate::contact::{BodyContact, SelfContact};
 use crate::energy::{Energy, GRAVITY, Terms};
 use crate::geometry::Vector3;
@@ -14,11 +15,13 @@ pub struct Relaxation<'a> {
     /// Energies of the last evaluation.
     pub terms: Terms,
     diagonal: Vec<f64>,
+    /// For minimizers of second order alone.
+    pub hessian: Option<Hessian>,
 }
 
 impl<'a> Relaxation<'a> {
     pub fn new(energy: Energy, body: BodyContact<'a>, cloth: SelfContact) -> Self {
-        let mut problem = Self { energy, body, cloth, terms: Terms::default(), diagonal: Vec::new() };
+        let mut problem = Self { energy, body, cloth, terms: Terms::default(), diagonal: Vec::new(), hessian: None };
         problem.update_diagonal();
         problem
     }
@@ -62,7 +65,7 @@ impl Problem for Relaxation<'_> {
 
     fn curvature(&mut self, points: &[Vector3], direction: &[Vector3]) -> f64 {
         self.energy.curvature(points, direction)
-            + self.body.curvature(direction)
+            + self.body.curvature(points, direction)
             + self.cloth.curvature(points, direction)
     }
 

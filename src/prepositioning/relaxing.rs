@@ -1,6 +1,7 @@
 //! One level: gravity, contact, and the minimizer.
 
 use super::finish;
+use super::hessian::Hessian;
 use super::problem::{Relaxation, Residual};
 use super::sewing::hold;
 use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
@@ -9,13 +10,15 @@ use crate::assess::cloth_intersections;
 use crate::contact::{BodyContact, BodyContactSettings};
 use crate::energy::Energy;
 use crate::geometry::Vector3;
-use crate::minimize::{ConjugateGradient, Problem, Settings as Steps, Termination};
+use crate::minimize::{ConjugateGradient, Iterate, Newton, Problem, Settings as Steps, Termination};
 use crate::pattern::SegmentLabel;
 
 /// Evaluations of one run of the minimizer; between two runs contact is corrected and anchors of
 /// friction are moved. Where neither is needed, starting afresh so often still finds lower energies
 /// than long runs do: the directions of a buckling garment are soon out of date.
 const RUN_LENGTH: usize = 40;
+/// The same for Newton's method, which gets farther with one.
+const NEWTON_RUN_LENGTH: usize = 20;
 /// A coarse level is done at this rms residual, in particle weights: what is left is far below what
 /// the prolongation to the next level brings.
 const COARSE_RESIDUAL: f64 = 0.3;
@@ -50,7 +53,8 @@ pub fn relax(
     });
     let starting_intersections = cloth_intersections(cloth, positions).len();
     let mut problem = problem(scene, level, arrangement, positions);
-    let mut run = Run { minimizer: ConjugateGradient::new(positions.len()), evaluations: 0, curve: Vec::new() };
+    let minimizer = ConjugateGradient::new(positions.len());
+    let mut run = Run { minimizer, newton: None, evaluations: 0, curve: Vec::new() };
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
     } else {
@@ -87,8 +91,16 @@ fn coarsely(
         let most = RUN_LENGTH.min(budget - run.evaluations);
         termination = run.steps(scene, level, problem, positions, most, observer);
     }
+    if scene.settings.until == FinishLine::Equilibrium && termination != Termination::Converged {
+        // The nearer a level starts to its rest, the fewer dear steps it takes to get there.
+        run.by_newton(scene, level, problem);
+        termination = run.steps(scene, level, problem, positions, COARSE_NEWTON_EVALUATIONS, observer);
+    }
     termination
 }
+
+/// Evaluations of Newton's method on a level but the finest, on the way to equilibrium.
+const COARSE_NEWTON_EVALUATIONS: usize = 400;
 
 /// Relaxes the finest level: sliding at first, held by friction in the end, and clear of the body.
 ///
@@ -111,7 +123,7 @@ fn settle(
     };
     let (mut let_go, mut clearings, mut stalled) = (false, 0, 0);
     while run.evaluations < budget {
-        let most = RUN_LENGTH.min(budget - run.evaluations);
+        let most = if run.newton.is_some() { NEWTON_RUN_LENGTH } else { RUN_LENGTH }.min(budget - run.evaluations);
         let termination = run.steps(scene, level, problem, positions, most, observer);
         // Cloth finds its place by sliding; in the end it stays there by friction alone.
         if !let_go && (run.evaluations >= sliding || termination != Termination::Budget) {
@@ -119,6 +131,9 @@ fn settle(
             problem.body.settings.friction = scene.fabric.friction;
             problem.energy.holds.clear();
             problem.update_diagonal();
+            if settings.until == FinishLine::Equilibrium {
+                run.by_newton(scene, level, problem);
+            }
         }
         // The last trial may have been rejected; contact is to be that of the positions.
         residual_at(problem, positions);
@@ -210,11 +225,20 @@ const HANGS_FROM_WAIST: f64 = 0.2;
 /// The minimizer's memory and what it has done on a level.
 struct Run {
     minimizer: ConjugateGradient,
+    /// Takes over where the first is too slow.
+    newton: Option<Newton>,
     evaluations: usize,
     curve: Vec<CurvePoint>,
 }
 
 impl Run {
+    /// From now on steps are Newton's.
+    fn by_newton(&mut self, scene: &Scene, level: usize, problem: &mut Relaxation) {
+        let cloth = &scene.garment.levels[level];
+        problem.hessian = Some(Hessian::new(cloth, scene.fabric, scene.settings.model));
+        self.newton = Some(Newton::new(cloth.particle_count));
+    }
+
     fn steps(
         &mut self,
         scene: &Scene,
@@ -228,19 +252,24 @@ impl Run {
         let goal = match (finest, scene.settings.until) {
             (false, _) => COARSE_RESIDUAL,
             (true, FinishLine::HandOff) => 0.0,
-            (true, FinishLine::Equilibrium) => scene.settings.equilibrium_residual,
+            // What is corrected between runs disturbs the balance a little.
+            (true, FinishLine::Equilibrium) => 0.5 * scene.settings.equilibrium_residual,
         };
         let steps = Steps { evaluations, ..scene.settings.steps(&scene.garment.levels[level]) };
         let masses: Vec<f64> = problem.energy.masses().to_vec();
         let before = self.evaluations;
         let curve = &mut self.curve;
-        let (termination, _, spent) = self.minimizer.run(problem, positions, &steps, |iterate| {
+        let done = |iterate: &Iterate| {
             let residual = Residual::of(iterate.gradient, &masses).rms;
             let point = CurvePoint { evaluations: before + iterate.evaluations, energy: iterate.value, residual };
             curve.push(point);
             observer.event(&Event::Step { level, point });
             residual <= goal
-        });
+        };
+        let (termination, _, spent) = match &mut self.newton {
+            Some(newton) => newton.run(problem, positions, &steps, done),
+            None => self.minimizer.run(problem, positions, &steps, done),
+        };
         self.evaluations += spent;
         termination
     }

@@ -10,13 +10,15 @@
 //! reach, it and others that have moved get new origins, and only their surroundings are searched.
 
 mod bounds;
+mod hessian;
 mod pairs;
 mod repulsion;
 
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::CHUNK;
-use pairs::{Pair, PairFinder, Span};
+pub use hessian::PairHessian;
+use pairs::{Kind, Pair, PairFinder, Span};
 use rayon::prelude::*;
 use repulsion::repulsion;
 
@@ -51,6 +53,7 @@ const ROUNDING: f64 = 1e-12;
 /// the cloth that only pushes.
 #[derive(Clone, Copy, Debug)]
 pub struct ActivePair {
+    kind: Kind,
     pub particles: [u32; 4],
     /// The sides' closest points are weighted means of their particles; those of the second side count negative.
     pub weights: [f64; 4],
@@ -202,17 +205,25 @@ impl SelfContact {
         at_origin - one.sqrt() - other.sqrt() - ROUNDING
     }
 
+    /// Clearance of a pair, m: the least of its particles'.
+    fn clearance_of(&self, particles: [u32; 4]) -> f64 {
+        particles.iter().map(|&p| self.clearance[p as usize]).fold(f64::INFINITY, f64::min)
+    }
+
     /// The pair as a spring, if it is nearer than its clearance.
     fn spring(&self, pair: &Pair, positions: &[Vector3]) -> Option<(f64, ActivePair)> {
         let Span { weights, vector } = pair.span(positions);
-        let clearance = pair.particles.iter().map(|&p| self.clearance[p as usize]).fold(f64::INFINITY, f64::min);
+        let clearance = self.clearance_of(pair.particles);
         let distance = vector.norm();
         if !(distance < clearance && distance > 0.0) {
             return None;
         }
         let (energy, slope, curvature) = repulsion(distance, clearance, self.settings.stiffness);
         let normal = vector / distance;
-        Some((energy, ActivePair { particles: pair.particles, weights, normal, distance, slope, curvature }))
+        Some((
+            energy,
+            ActivePair { kind: pair.kind, particles: pair.particles, weights, normal, distance, slope, curvature },
+        ))
     }
 
     /// Adds the gradient, N, and returns the energy, J.

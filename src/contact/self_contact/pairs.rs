@@ -44,17 +44,7 @@ impl Pair {
     }
 
     pub fn span(&self, positions: &[Vector3]) -> Span {
-        let [p, q, r, s] = self.particles.map(|p| positions[p as usize]);
-        match self.kind {
-            Kind::VertexFace => {
-                let [a, b, c] = closest_on_triangle(p, [q, r, s]);
-                Span { weights: [1.0, -a, -b, -c], vector: p - (q * a + r * b + s * c) }
-            }
-            Kind::EdgeEdge => {
-                let SegmentPair { s: i, t: j } = closest_between_segments([p, q], [r, s]);
-                Span { weights: [1.0 - i, i, j - 1.0, -j], vector: p + (q - p) * i - r - (s - r) * j }
-            }
-        }
+        self.kind.span(self.particles.map(|p| positions[p as usize]))
     }
 
     /// m.
@@ -68,6 +58,23 @@ impl Pair {
         match self.kind {
             Kind::VertexFace => (a, b.max(c).max(d)),
             Kind::EdgeEdge => (a.max(b), c.max(d)),
+        }
+    }
+}
+
+impl Kind {
+    /// Of four points, m.
+    #[inline]
+    pub fn span(self, [p, q, r, s]: [Vector3; 4]) -> Span {
+        match self {
+            Kind::VertexFace => {
+                let [a, b, c] = closest_on_triangle(p, [q, r, s]);
+                Span { weights: [1.0, -a, -b, -c], vector: p - (q * a + r * b + s * c) }
+            }
+            Kind::EdgeEdge => {
+                let SegmentPair { s: i, t: j } = closest_between_segments([p, q], [r, s]);
+                Span { weights: [1.0 - i, i, j - 1.0, -j], vector: p + (q - p) * i - r - (s - r) * j }
+            }
         }
     }
 }
