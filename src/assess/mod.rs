@@ -6,7 +6,7 @@ mod strain;
 
 pub use gate::{Check, LARGEST_SEAM_GAP, LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, hand_off};
 pub use intersections::{ClothCrossings, body_intersections, cloth_intersections};
-pub use strain::{Strain, principal_stretches};
+pub use strain::{Strain, gather_allowance, principal_stretches};
 
 use crate::body::Body;
 use crate::garment::Level;

@@ -24,6 +24,8 @@ pub enum Command {
     Demo(Demo),
     /// Sew a pattern around a body and let it come to rest
     Fit(Fit),
+    /// Race the levels against one resolution alone, by several minimizers, to the same finish line
+    Compare(Compare),
     /// Tell everything that is wrong or doubtful with the input, before any solving
     Check(Check),
 }
@@ -56,6 +58,45 @@ pub struct Fit {
     /// Folder for the results, made if it is not there
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub solving: Solving,
+}
+
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// Sewing pattern, a GarmentCode JSON file
+    #[arg(required_unless_present = "replot")]
+    pub pattern: Option<PathBuf>,
+    /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
+    #[arg(long, value_name = "OBJ", required_unless_present = "replot")]
+    pub body: Option<PathBuf>,
+    /// Folder for table, curves and pictures, made if it is not there
+    #[arg(long, value_name = "DIR", required_unless_present = "replot")]
+    pub out: Option<PathBuf>,
+    /// Draw table and pictures of an earlier comparison again, from the comparison.json in this folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["pattern", "body"])]
+    pub replot: Option<PathBuf>,
+    /// Minimizers that go through all levels, such as "conjugate-gradient,lbfgs" [default: that of the settings]
+    #[arg(long, value_name = "LIST")]
+    pub minimizer: Option<String>,
+    /// Minimizers that have the finest level alone, or none
+    #[arg(long, value_name = "LIST", default_value = "conjugate-gradient,lbfgs,argmin-lbfgs,dynamic-relaxation")]
+    pub rivals: String,
+    /// Evaluations on the finest level after which a run is given up
+    #[arg(long, value_name = "EVALUATIONS", default_value_t = 20_000)]
+    pub cap: usize,
+    /// Residual of the equilibrium, rms in particle weights [default: 0.1]
+    #[arg(long, value_name = "WEIGHTS", allow_hyphen_values = true)]
+    pub residual: Option<f64>,
+    /// Start a little off, the same way in all runs, by random waves of this seed
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// How far off at most, with --seed
+    #[arg(long, value_name = "LENGTH", default_value = "1 mm", allow_hyphen_values = true, requires = "seed")]
+    pub perturb: String,
+    /// Go on to the cap after the finish line of the hand-off, for whole curves
+    #[arg(long)]
+    pub whole: bool,
     #[command(flatten)]
     pub solving: Solving,
 }

@@ -60,7 +60,7 @@ pub fn fit(
 }
 
 /// Makes the threads that everything parallel runs on; returns how many.
-fn start_threads(asked: Option<usize>) -> usize {
+pub fn start_threads(asked: Option<usize>) -> usize {
     if let Some(threads) = asked {
         // The pool is made once in a process; a second call, which only tests could make, keeps it.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

@@ -3,6 +3,7 @@
 
 mod arguments;
 mod check;
+mod compare;
 mod complaint;
 mod demo;
 mod fit;
@@ -80,6 +81,7 @@ fn execute(command: &Command) -> Result<Status, Failure> {
     match command {
         Command::Demo(demo) => demo::run(demo),
         Command::Fit(fit) => fit::run(fit),
+        Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
     }
 }

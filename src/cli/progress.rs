@@ -74,7 +74,7 @@ impl Observer for Watcher {
 
 fn show(bar: &ProgressBar, event: &Event) {
     match event {
-        Event::Arranged { .. } => {}
+        Event::Arranged { .. } | Event::Sewn { .. } | Event::Checked { .. } => {}
         Event::Sewing { step, closing_steps, largest_gap, .. } => {
             bar.set_length(*closing_steps as u64);
             bar.set_position((*step).min(*closing_steps) as u64);
@@ -128,6 +128,10 @@ fn value(event: &Event, last: &mut usize) -> Option<serde_json::Value> {
         Event::Sewing { step, closing_steps, largest_gap, .. } => Some(json!({
             "event": "sewing", "step": step, "closing_steps": closing_steps, "largest_gap_m": largest_gap,
         })),
+        Event::Sewn { evaluations, largest_gap, .. } => {
+            Some(json!({"event": "sewn", "evaluations": evaluations, "largest_gap_m": largest_gap}))
+        }
+        Event::Checked { .. } => None,
         Event::LevelStarted { level, levels, resolution, particles, evaluations } => {
             *last = 0;
             Some(json!({

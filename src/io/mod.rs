@@ -6,6 +6,7 @@
 
 pub mod atomic;
 pub mod body_obj;
+pub mod comparison;
 pub mod embedded;
 pub mod fabric_toml;
 pub mod garment_obj;

@@ -5,7 +5,7 @@
 //! changes its meaning or goes, the version grows. `docs/formats.md` tells them one by one.
 
 use super::fabric_toml::figures;
-use super::settings_toml::{bending_word, finish_line_word, membrane_word};
+use super::settings_toml::{bending_word, finish_line_word, membrane_word, minimizer_word};
 use crate::assess::{Assessment, Check, Strain, hand_off};
 use crate::energy::Terms;
 use crate::garment::Level;
@@ -97,6 +97,7 @@ pub struct SettingsPart {
     pub clearance_m: f64,
     pub membrane: &'static str,
     pub bending: &'static str,
+    pub minimizer: &'static str,
     pub until: &'static str,
     pub equilibrium_residual_weights: f64,
     pub coarse_evaluations: usize,
@@ -263,11 +264,13 @@ pub fn termination_word(termination: Termination) -> &'static str {
     }
 }
 
-fn settings_part(settings: &Settings) -> SettingsPart {
+/// The settings as a report tells them.
+pub(super) fn settings_part(settings: &Settings) -> SettingsPart {
     let Settings {
         resolutions,
         clearance,
         model,
+        minimizer,
         until,
         equilibrium_residual,
         coarse_evaluations,
@@ -279,6 +282,7 @@ fn settings_part(settings: &Settings) -> SettingsPart {
         clearance_m: *clearance,
         membrane: membrane_word(model.membrane),
         bending: bending_word(model.bending),
+        minimizer: minimizer_word(*minimizer),
         until: finish_line_word(*until),
         equilibrium_residual_weights: *equilibrium_residual,
         coarse_evaluations: *coarse_evaluations,
@@ -374,6 +378,7 @@ mod tests {
             particles: level.particle_count,
             triangles: level.triangles.len(),
             evaluations: 1000,
+            curvatures: 900,
             energies: Terms { membrane: 0.25, bending: 0.5, sewing: 0.0, gravity: -1.0 },
             residual: Residual { rms: 0.2, max: f64::INFINITY },
             termination: Termination::Budget,

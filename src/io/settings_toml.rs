@@ -4,13 +4,15 @@ use super::length;
 use super::toml_keys::{Keys, quoted, remedy_for_key};
 use crate::Error;
 use crate::energy::{Bending, Membrane};
+use crate::minimize::Method;
 use crate::prepositioning::{FinishLine, Settings};
 
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 10] = [
     "levels",
     "clearance",
     "membrane",
     "bending",
+    "minimizer",
     "until",
     "equilibrium_residual",
     "coarse_evaluations",
@@ -23,6 +25,12 @@ const FINISH_LINES: [(&str, FinishLine); 2] =
     [("handoff", FinishLine::HandOff), ("equilibrium", FinishLine::Equilibrium)];
 const MEMBRANES: [(&str, Membrane); 2] = [("coupled", Membrane::Coupled), ("springs", Membrane::Springs)];
 const BENDINGS: [(&str, Bending); 2] = [("quadratic", Bending::Quadratic), ("springs", Bending::Springs)];
+const MINIMIZERS: [(&str, Method); 4] = [
+    ("conjugate-gradient", Method::ConjugateGradient),
+    ("lbfgs", Method::Lbfgs),
+    ("dynamic-relaxation", Method::DynamicRelaxation),
+    ("argmin-lbfgs", Method::ArgminLbfgs),
+];
 
 /// More evaluations than anybody waits for; a budget beyond is a slip.
 const MOST_EVALUATIONS: usize = 1_000_000_000;
@@ -39,6 +47,7 @@ pub fn apply(text: &str, settings: &mut Settings) -> Result<(), Error> {
     }
     choose(&keys, "membrane", &MEMBRANES, &mut new.model.membrane)?;
     choose(&keys, "bending", &BENDINGS, &mut new.model.bending)?;
+    choose(&keys, "minimizer", &MINIMIZERS, &mut new.minimizer)?;
     choose(&keys, "until", &FINISH_LINES, &mut new.until)?;
     if let Some(residual) = keys.number("equilibrium_residual")? {
         new.equilibrium_residual = residual;
@@ -63,6 +72,7 @@ pub fn write(settings: &Settings) -> String {
         resolutions,
         clearance,
         model,
+        minimizer,
         until,
         equilibrium_residual,
         coarse_evaluations,
@@ -76,6 +86,7 @@ pub fn write(settings: &Settings) -> String {
          clearance = \"{clearance} m\"\n\
          membrane = \"{}\"\n\
          bending = \"{}\"\n\
+         minimizer = \"{}\"\n\
          until = \"{}\"\n\
          equilibrium_residual = {equilibrium_residual:?}\n\
          coarse_evaluations = {coarse_evaluations}\n\
@@ -84,6 +95,7 @@ pub fn write(settings: &Settings) -> String {
         quoted(&levels.join(", ")),
         membrane_word(model.membrane),
         bending_word(model.bending),
+        minimizer_word(*minimizer),
         finish_line_word(*until),
     )
 }
@@ -104,6 +116,16 @@ pub fn membrane_word(membrane: Membrane) -> &'static str {
 
 pub fn bending_word(bending: Bending) -> &'static str {
     word(&BENDINGS, bending)
+}
+
+/// The word for a minimizer, as on the command line.
+pub fn minimizer_word(minimizer: Method) -> &'static str {
+    word(&MINIMIZERS, minimizer)
+}
+
+/// The minimizer that a word stands for.
+pub fn minimizer(text: &str) -> Result<Method, Error> {
+    choice(text, &MINIMIZERS)
 }
 
 fn word<T: Copy + PartialEq>(words: &[(&'static str, T)], choice: T) -> &'static str {
@@ -152,6 +174,7 @@ mod tests {
             ("clearance = \"2\"", "line 1", "2 mm"),
             ("until = \"equilibrum\"", "line 1, `until`", "equilibrium"),
             ("membrane = \"fem\"", "line 1, `membrane`", "coupled, springs"),
+            ("minimizer = \"lbgfs\"", "line 1, `minimizer`", "lbfgs"),
             ("coarse_evaluations = 0", "line 1", "from 1"),
             ("coarse_evaluations = 1.5", "line 1", "from 1"),
             ("clearance = \"2 m\"", "", "50 mm"),
@@ -178,6 +201,7 @@ mod tests {
             clearance in 0.0..0.05f64,
             residual in 1e-9..1e3f64,
             (springs, cross, equilibrium) in any::<(bool, bool, bool)>(),
+            minimizer in proptest::sample::select(&Method::ALL[..]),
             budgets in [1..MOST_EVALUATIONS, 1..MOST_EVALUATIONS, 1..MOST_EVALUATIONS],
         ) {
             let mut settings = Settings {
@@ -185,6 +209,7 @@ mod tests {
                 clearance: if clearance < 1e-9 { 0.0 } else { clearance },
                 until: if equilibrium { FinishLine::Equilibrium } else { FinishLine::HandOff },
                 equilibrium_residual: residual,
+                minimizer,
                 coarse_evaluations: budgets[0],
                 finest_evaluations: budgets[1],
                 equilibrium_evaluations: budgets[2],

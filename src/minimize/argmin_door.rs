@@ -54,12 +54,29 @@ struct Inner<P> {
     gradient: Vec<Vector3>,
     value: f64,
     evaluations: usize,
+    budget: usize,
 }
 
 impl<P: Problem> ArgminDoor<P> {
     pub fn new(problem: P) -> Self {
-        let inner = Inner { problem, points: Vec::new(), gradient: Vec::new(), value: f64::NAN, evaluations: 0 };
-        Self { inner: RefCell::new(inner) }
+        Self::with_budget(problem, usize::MAX)
+    }
+
+    /// A door at which each evaluation beyond `budget` is an error, which ends a solver's run.
+    pub fn with_budget(problem: P, budget: usize) -> Self {
+        let (points, gradient) = (Vec::new(), Vec::new());
+        Self { inner: RefCell::new(Inner { problem, points, gradient, value: f64::NAN, evaluations: 0, budget }) }
+    }
+
+    /// Is no evaluation left?
+    pub fn is_spent(&self) -> bool {
+        let inner = self.inner.borrow();
+        inner.evaluations >= inner.budget
+    }
+
+    /// What `look` makes of the problem.
+    pub fn with_problem<R>(&self, look: impl FnOnce(&mut P) -> R) -> R {
+        look(&mut self.inner.borrow_mut().problem)
     }
 
     /// Evaluations of the problem so far; value and gradient at the same points count as one.
@@ -73,14 +90,18 @@ impl<P: Problem> ArgminDoor<P> {
 }
 
 impl<P: Problem> Inner<P> {
-    fn evaluate(&mut self, flat: &[f64]) {
+    fn evaluate(&mut self, flat: &[f64]) -> Result<(), Error> {
         let points = unflattened(flat);
         if points != self.points {
+            if self.evaluations >= self.budget {
+                return Err(Error::msg("the evaluations are used up"));
+            }
             self.gradient.resize(points.len(), Vector3::zeros());
             self.value = self.problem.evaluate(&points, &mut self.gradient);
             self.points = points;
             self.evaluations += 1;
         }
+        Ok(())
     }
 }
 
@@ -90,7 +111,7 @@ impl<P: Problem> CostFunction for ArgminDoor<P> {
 
     fn cost(&self, flat: &Vec<f64>) -> Result<f64, Error> {
         let mut inner = self.inner.borrow_mut();
-        inner.evaluate(flat);
+        inner.evaluate(flat)?;
         Ok(inner.value)
     }
 }
@@ -101,8 +122,26 @@ impl<P: Problem> Gradient for ArgminDoor<P> {
 
     fn gradient(&self, flat: &Vec<f64>) -> Result<Vec<f64>, Error> {
         let mut inner = self.inner.borrow_mut();
-        inner.evaluate(flat);
+        inner.evaluate(flat)?;
         Ok(flattened(&inner.gradient))
+    }
+}
+
+impl<P: Problem> CostFunction for &ArgminDoor<P> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, flat: &Vec<f64>) -> Result<f64, Error> {
+        (**self).cost(flat)
+    }
+}
+
+impl<P: Problem> Gradient for &ArgminDoor<P> {
+    type Param = Vec<f64>;
+    type Gradient = Vec<f64>;
+
+    fn gradient(&self, flat: &Vec<f64>) -> Result<Vec<f64>, Error> {
+        (**self).gradient(flat)
     }
 }
 

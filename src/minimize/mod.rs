@@ -1,16 +1,27 @@
 //! Minimizers of smooth functions of many points in space. Nothing here has heard of cloth.
 
 mod argmin_door;
+mod argmin_lbfgs;
 mod block_matrix;
+#[cfg(test)]
+mod chain;
 mod cholesky;
 mod conjugate_gradient;
 mod dissection;
+mod dynamic_relaxation;
+mod lbfgs;
+mod method;
 mod newton;
+mod vectors;
 
 pub use argmin_door::{ArgminDoor, flattened, unflattened};
+pub use argmin_lbfgs::ArgminLbfgs;
 pub use block_matrix::{BlockMatrix, Pattern};
 pub use cholesky::Cholesky;
 pub use conjugate_gradient::{ConjugateGradient, Settings};
+pub use dynamic_relaxation::DynamicRelaxation;
+pub use lbfgs::Lbfgs;
+pub use method::{Method, Minimizer};
 pub use newton::{Newton, SecondOrder};
 
 use crate::geometry::Vector3;
@@ -71,3 +82,6 @@ pub const CHUNK: usize = 2048;
 /// Sums and differences of vectors are so cheap that another thread is not worth waking for fewer
 /// chunks than this.
 const LEAST_CHUNKS: usize = 4;
+
+/// How often a step is halved before the direction is given up: to a millionth of its length.
+const MOST_HALVINGS: usize = 20;

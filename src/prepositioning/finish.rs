@@ -6,7 +6,7 @@ use super::problem::Relaxation;
 use crate::assess::body_intersections;
 use crate::contact::sag;
 use crate::geometry::Vector3;
-use crate::minimize::{ConjugateGradient, Problem, Settings as Steps};
+use crate::minimize::{Minimizer, Problem, Settings as Steps};
 
 /// Rounds of holding, looking and widening.
 const MOST_ROUNDS: usize = 12;
@@ -27,7 +27,7 @@ pub struct Clearing {
 /// Takes every particle out to its clearance and every triangle out of the body.
 pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) -> Clearing {
     let cloth = &scene.garment.levels[level];
-    let mut minimizer = ConjugateGradient::new(positions.len());
+    let mut minimizer = Minimizer::new(scene.settings.minimizer, positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
     let widening = LEAST_WIDENING.max(WIDENING_SHARE * sag(cloth.resolution));
     let mut clearing = Clearing::default();

@@ -4,6 +4,7 @@
 //! positions to a finer one, relax that, and so on. Seams close first, without gravity, on the
 //! coarsest level; `docs/theory.md` tells where and why we depart from the paper.
 
+pub mod comparison;
 mod finish;
 mod hessian;
 mod outcome;
@@ -22,6 +23,7 @@ use crate::arrangement::{SIGHT_MARGIN, arrange, check_placement};
 use crate::assess::assess;
 use crate::body::{Body, DistanceField};
 use crate::garment::Garment;
+use crate::geometry::Vector3;
 use crate::pattern::{Fabric, Pattern};
 
 /// Side of a cell of the body's distance field near the skin, m: a third of a finger.
@@ -37,10 +39,23 @@ pub fn preposition(
     settings: &Settings,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, Error> {
+    preposition_from(pattern, fabric, body, settings, &|_| (), observer)
+}
+
+/// The same, from positions that `disturb` has changed after the panels were arranged: one per point of
+/// the open coarsest level, m, world.
+fn preposition_from(
+    pattern: &Pattern,
+    fabric: &Fabric,
+    body: &Body,
+    settings: &Settings,
+    disturb: &(dyn Fn(&mut [Vector3]) + Sync),
+    observer: &mut dyn Observer,
+) -> Result<Outcome, Error> {
     settings.check()?;
     check_placement(pattern, body)?;
     // Parallel work that is begun outside the pool wakes a thread and waits for it, each time.
-    rayon::scope(|_| sew_and_relax(pattern, fabric, body, settings, observer))
+    rayon::scope(|_| sew_and_relax(pattern, fabric, body, settings, disturb, observer))
 }
 
 fn sew_and_relax(
@@ -48,12 +63,14 @@ fn sew_and_relax(
     fabric: &Fabric,
     body: &Body,
     settings: &Settings,
+    disturb: &(dyn Fn(&mut [Vector3]) + Sync),
     observer: &mut dyn Observer,
 ) -> Result<Outcome, Error> {
     let (garment, field) =
         rayon::join(|| Garment::build(pattern, &settings.resolutions), || distance_field(body, settings.clearance));
     let garment = garment?;
-    let arrangement = arrange(pattern, &garment.open, &field);
+    let mut arrangement = arrange(pattern, &garment.open, &field);
+    disturb(&mut arrangement.positions);
     observer.event(&Event::Arranged { shifts: &arrangement.shifts });
     let scene = Scene { pattern, fabric, garment: &garment, body, field: &field, settings };
 

@@ -14,10 +14,14 @@ pub enum Event<'a> {
     Arranged { shifts: &'a [Vector3] },
     /// A step of closing the seams ended with this largest gap, m.
     Sewing { step: usize, closing_steps: usize, largest_gap: f64, open: &'a Level, positions: &'a [Vector3] },
+    /// All seams are closed, with this largest gap, m, and after so many evaluations and curvatures.
+    Sewn { open: &'a Level, evaluations: usize, curvatures: usize, largest_gap: f64 },
     /// Work on a level began.
     LevelStarted { level: usize, levels: usize, resolution: f64, particles: usize, evaluations: usize },
     /// A step was accepted.
     Step { level: usize, point: CurvePoint },
+    /// A run of the minimizer on the finest level ended here; the next may follow.
+    Checked { level: usize, evaluations: usize, cloth: &'a Level, positions: &'a [Vector3] },
     /// Work on a level ended.
     LevelDone { level: usize, summary: &'a LevelSummary, cloth: &'a Level, positions: &'a [Vector3] },
 }
@@ -25,6 +29,13 @@ pub enum Event<'a> {
 /// Watches a run, from one of the threads that work on it.
 pub trait Observer: Send {
     fn event(&mut self, event: &Event);
+
+    /// Asked before each run of the minimizer on the finest level: is it good enough already? The level
+    /// then comes to its end at once. What answers by the clock gives up that the same input gives the
+    /// same bytes.
+    fn enough(&mut self) -> bool {
+        false
+    }
 }
 
 /// Watches nothing.
@@ -51,6 +62,8 @@ pub struct LevelSummary {
     pub particles: usize,
     pub triangles: usize,
     pub evaluations: usize,
+    /// Curvatures along directions that the minimizer asked for, but for those while the body is cleared.
+    pub curvatures: usize,
     pub energies: Terms,
     pub residual: Residual,
     pub termination: Termination,

@@ -10,7 +10,7 @@ use crate::assess::cloth_intersections;
 use crate::contact::{BodyContact, BodyContactSettings};
 use crate::energy::Energy;
 use crate::geometry::Vector3;
-use crate::minimize::{ConjugateGradient, Iterate, Newton, Problem, Settings as Steps, Termination};
+use crate::minimize::{Iterate, Minimizer, Newton, Problem, Settings as Steps, Termination};
 use crate::pattern::SegmentLabel;
 
 /// Evaluations of one run of the minimizer; between two runs contact is corrected and anchors of
@@ -53,7 +53,7 @@ pub fn relax(
     });
     let starting_intersections = cloth_intersections(cloth, positions).len();
     let mut problem = problem(scene, level, arrangement, positions);
-    let minimizer = ConjugateGradient::new(positions.len());
+    let minimizer = Minimizer::new(scene.settings.minimizer, positions.len());
     let mut run = Run { minimizer, newton: None, evaluations: 0, curve: Vec::new() };
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
@@ -66,6 +66,7 @@ pub fn relax(
         particles: cloth.particle_count,
         triangles: cloth.triangles.len(),
         evaluations: run.evaluations,
+        curvatures: run.minimizer.curvatures(),
         energies: problem.terms,
         residual,
         termination,
@@ -122,9 +123,11 @@ fn settle(
             && residual_at(problem, positions).rms <= settings.equilibrium_residual
     };
     let (mut let_go, mut clearings, mut stalled) = (false, 0, 0);
-    while run.evaluations < budget {
+    while run.evaluations < budget && !observer.enough() {
         let most = if run.newton.is_some() { NEWTON_RUN_LENGTH } else { RUN_LENGTH }.min(budget - run.evaluations);
         let termination = run.steps(scene, level, problem, positions, most, observer);
+        let cloth = &scene.garment.levels[level];
+        observer.event(&Event::Checked { level, evaluations: run.evaluations, cloth, positions });
         // Cloth finds its place by sliding; in the end it stays there by friction alone.
         if !let_go && (run.evaluations >= sliding || termination != Termination::Budget) {
             let_go = true;
@@ -224,7 +227,7 @@ const HANGS_FROM_WAIST: f64 = 0.2;
 
 /// The minimizer's memory and what it has done on a level.
 struct Run {
-    minimizer: ConjugateGradient,
+    minimizer: Minimizer,
     /// Takes over where the first is too slow.
     newton: Option<Newton>,
     evaluations: usize,

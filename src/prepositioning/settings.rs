@@ -5,7 +5,7 @@ use crate::contact::{SelfContact, SelfContactSettings};
 use crate::energy::Model;
 use crate::garment::{COARSEST_RESOLUTION, Level};
 use crate::geometry::Vector3;
-use crate::minimize::Settings as Steps;
+use crate::minimize::{Method, Settings as Steps};
 use crate::pattern::Fabric;
 
 /// When the finest level is done.
@@ -26,6 +26,8 @@ pub struct Settings {
     /// Distance to be kept from the body.
     pub clearance: f64,
     pub model: Model,
+    /// For closing the seams and for all levels.
+    pub minimizer: Method,
     pub until: FinishLine,
     /// Root mean square of the residual at which [`FinishLine::Equilibrium`] is reached, in particle
     /// weights.
@@ -62,6 +64,7 @@ impl Settings {
             resolutions,
             clearance: DEFAULT_CLEARANCE,
             model: Model::default(),
+            minimizer: Method::default(),
             until: FinishLine::HandOff,
             equilibrium_residual: 0.1,
             coarse_evaluations: 1200,

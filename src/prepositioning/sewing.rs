@@ -12,7 +12,7 @@ use crate::contact::{BodyContact, BodyContactSettings};
 use crate::energy::{Energy, Hold};
 use crate::garment::Level;
 use crate::geometry::Vector3;
-use crate::minimize::{ConjugateGradient, Settings as Steps};
+use crate::minimize::{Minimizer, Settings as Steps};
 use crate::pattern::{Pattern, SegmentLabel};
 
 /// Steps in which the seams close.
@@ -48,7 +48,7 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
     let (settings, open) = (scene.settings, &scene.garment.open);
     let mut positions = arrangement.positions.clone();
     let mut problem = problem(scene, &positions);
-    let mut minimizer = ConjugateGradient::new(positions.len());
+    let mut minimizer = Minimizer::new(settings.minimizer, positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_STEP, ..settings.steps(open) };
     let mut evaluations = 0;
     let gaps = problem.energy.stitches.gaps(&positions);
@@ -81,6 +81,7 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
         evaluations += minimizer.run(&mut problem, &mut positions, &steps, |_| false).2;
     }
     let largest_gap = problem.energy.stitches.gaps(&positions).into_iter().fold(0.0, f64::max);
+    observer.event(&Event::Sewn { open, evaluations, curvatures: minimizer.curvatures(), largest_gap });
     Sewn { positions, largest_gap, evaluations }
 }
 

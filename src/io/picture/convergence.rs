@@ -27,15 +27,15 @@ pub struct CurvePoint {
 const SIZE: (u32, u32) = (1800, 1360);
 
 /// Writing, units of the SVG.
-const TITLE_FONT: (&str, u32) = ("sans-serif", 38);
-const LABEL_FONT: (&str, u32) = ("sans-serif", 31);
+pub(super) const TITLE_FONT: (&str, u32) = ("sans-serif", 38);
+pub(super) const LABEL_FONT: (&str, u32) = ("sans-serif", 31);
 
 /// Width of a curve and of the mark at its end, units of the SVG.
 const LINE_WIDTH: u32 = 4;
 const DOT_RADIUS: u32 = 7;
 
 /// One color per level in turn: the palette of M. Okabe and K. Ito (2008), which the color-blind can tell apart.
-const COLORS: [RGBColor; 6] = [
+pub(super) const COLORS: [RGBColor; 6] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
     RGBColor(0x00, 0x9e, 0x73),
@@ -44,8 +44,8 @@ const COLORS: [RGBColor; 6] = [
     RGBColor(0x56, 0xb4, 0xe9),
 ];
 
-const INK: RGBColor = RGBColor(0x33, 0x33, 0x2f);
-const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe2);
+pub(super) const INK: RGBColor = RGBColor(0x33, 0x33, 0x2f);
+pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe2);
 const LEVEL_CHANGE: RGBColor = RGBColor(0xa0, 0xa0, 0x9c);
 
 /// A curve of more points is thinned: two points for each pixel across look the same and keep the file small.
@@ -129,7 +129,7 @@ fn heights(curves: &[Vec<[f64; 2]>]) -> impl Iterator<Item = f64> {
 }
 
 /// Least and greatest value.
-fn extent(mut values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+pub(super) fn extent(mut values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let first = values.next()?;
     Some(values.fold([first; 2], |[low, high], value| [low.min(value), high.max(value)]))
 }
@@ -257,7 +257,7 @@ fn draw_panel(
 }
 
 /// A number in as few characters as show four digits.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1.0e-3..1.0e7).contains(&size) {
         return format!("{value:.1e}");
@@ -268,7 +268,7 @@ fn significant(value: f64) -> String {
 }
 
 /// `10⁻³` at whole decades, nothing between.
-fn decade(exponent: &f64) -> String {
+pub(super) fn decade(exponent: &f64) -> String {
     let whole = exponent.round();
     if (exponent - whole).abs() > 1.0e-6 {
         return String::new();

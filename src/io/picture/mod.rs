@@ -3,6 +3,7 @@
 //! * [`preview()`]: garment and body from three sides;
 //! * [`strain()`]: the stretch in colors, with a scale;
 //! * [`convergence()`]: energy and residual against evaluations, as SVG;
+//! * [`rivals()`]: several runs against evaluations and seconds, as SVG;
 //! * [`render()`]: any [`Scene`] of [`Surface`]s in a [`View`], for everything else.
 //!
 //! The renderer needs no graphics card: `raster` decides what each of sixteen samples in a pixel sees, `shade` colors
@@ -36,6 +37,7 @@ mod key_light;
 mod preview;
 mod raster;
 mod render;
+mod rivals;
 mod scene;
 mod shade;
 mod sheet;
@@ -50,6 +52,7 @@ pub use convergence::{Curve, CurvePoint, convergence};
 pub use image::{Image, MAX_SIDE};
 pub use preview::preview;
 pub use render::render;
+pub use rivals::{Rival, RivalChart, RivalPoint, rivals};
 pub use scene::{Coloring, Lighting, MISSING_COLOR, Scene, Surface};
 pub use strain::{StrainField, strain};
 pub use subject::{BodyView, GarmentView};

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Writes docs/comparison.md: the schedule of levels against single-resolution rivals on several garments.
+#
+#   benches/compare.sh DATA OUT NAME ...
+#
+# DATA has patterns/garmentcode with its index beside it, and bodies; OUT receives a folder for each NAME, a garment of
+# the index. COMPARE holds options for `toile compare`, such as "--resolution '5 mm' --cap 8000"; PYTHON may name an
+# interpreter. A folder in OUT that has a comparison already is not made again, so that an interrupted run goes on.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+data=$1 out=$2
+shift 2
+[ $# -gt 0 ] || { echo "name at least one garment of $data/patterns/garmentcode.index.json" >&2; exit 2; }
+python=${PYTHON:-python3}
+eval "options=(${COMPARE:-})"
+
+cargo build --release --locked
+commit=$(git rev-parse --short HEAD)
+[ -z "$(git status --porcelain -- src data Cargo.toml Cargo.lock)" ] || commit="$commit, with changes"
+cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1)
+
+for name in "$@"; do
+    [ ! -f "$out/$name/comparison.json" ] || continue
+    body=$("$python" -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]]["body"])' \
+        "$data/patterns/garmentcode.index.json" "$name")
+    echo "== $name on $body"
+    # 4 and 5 say that the schedule did not reach its line, which is a result.
+    target/release/toile compare "$data/patterns/garmentcode/$name.json" --body "$data/bodies/$body" \
+        --out "$out/$name" "${options[@]}" || [ $? -eq 4 ] || [ $? -eq 5 ]
+done
+
+page=$(mktemp)
+trap 'rm -f "$page"' EXIT
+cat > "$page" <<HEAD
+# Comparison
+
+The schedule of levels against single-resolution rivals: the same pattern, body, fabric and settings, to the same finish
+line, from flat panels. [The guide](guide.md#comparing-minimizers) tells how it is measured.
+
+Machine: $cpu, $(nproc) processors, $(rustc --version | cut -d' ' -f1,2). Commit $commit. The command that wrote this page:
+\`${COMPARE:+COMPARE=\"$COMPARE\" }benches/compare.sh DATA OUT $*\`. Trust evaluations exactly, and processor seconds within a
+factor of 1.5: the machine may have been shared with other work.
+HEAD
+"$python" benches/compare_summary.py "$out" "$@" >> "$page"
+for name in "$@"; do
+    { printf '\n'; sed 's/^# /## /' "$out/$name/comparison.md"; } >> "$page"
+done
+cp "$page" docs/comparison.md

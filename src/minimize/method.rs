@@ -1,0 +1,126 @@
+//! One minimizer or another, chosen by name.
+
+use super::{ArgminLbfgs, ConjugateGradient, DynamicRelaxation, Iterate, Lbfgs, Problem, Settings, Termination};
+use crate::geometry::Vector3;
+
+/// The minimizers there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Method {
+    #[default]
+    ConjugateGradient,
+    Lbfgs,
+    DynamicRelaxation,
+    /// argmin's, as an independent rival.
+    ArgminLbfgs,
+}
+
+impl Method {
+    pub const ALL: [Method; 4] =
+        [Method::ConjugateGradient, Method::Lbfgs, Method::DynamicRelaxation, Method::ArgminLbfgs];
+}
+
+/// A minimizer of the method asked for.
+pub struct Minimizer {
+    working: Working,
+    curvatures: usize,
+}
+
+enum Working {
+    ConjugateGradient(ConjugateGradient),
+    Lbfgs(Lbfgs),
+    DynamicRelaxation(DynamicRelaxation),
+    ArgminLbfgs(ArgminLbfgs),
+}
+
+impl Minimizer {
+    pub fn new(method: Method, point_count: usize) -> Self {
+        let working = match method {
+            Method::ConjugateGradient => Working::ConjugateGradient(ConjugateGradient::new(point_count)),
+            Method::Lbfgs => Working::Lbfgs(Lbfgs::new(point_count)),
+            Method::DynamicRelaxation => Working::DynamicRelaxation(DynamicRelaxation::new(point_count)),
+            Method::ArgminLbfgs => Working::ArgminLbfgs(ArgminLbfgs::new(point_count)),
+        };
+        Self { working, curvatures: 0 }
+    }
+
+    /// Curvatures asked of problems in all runs so far. They are no evaluations, but cost about half of one.
+    pub fn curvatures(&self) -> usize {
+        self.curvatures
+    }
+
+    /// Lowers `problem` from `points`, in place. `done` is asked after each accepted step whether the
+    /// goal is reached. Returns why the run ended, the last value, and the evaluations spent.
+    pub fn run(
+        &mut self,
+        problem: &mut impl Problem,
+        points: &mut Vec<Vector3>,
+        settings: &Settings,
+        done: impl FnMut(&Iterate) -> bool,
+    ) -> (Termination, f64, usize) {
+        let mut problem = Counted { problem, curvatures: 0 };
+        let ended = match &mut self.working {
+            Working::ConjugateGradient(minimizer) => minimizer.run(&mut problem, points, settings, done),
+            Working::Lbfgs(minimizer) => minimizer.run(&mut problem, points, settings, done),
+            Working::DynamicRelaxation(minimizer) => minimizer.run(&mut problem, points, settings, done),
+            Working::ArgminLbfgs(minimizer) => minimizer.run(&mut problem, points, settings, done),
+        };
+        self.curvatures += problem.curvatures;
+        ended
+    }
+}
+
+/// A problem, and how often it was asked for a curvature.
+struct Counted<'p, P> {
+    problem: &'p mut P,
+    curvatures: usize,
+}
+
+impl<P: Problem> Problem for Counted<'_, P> {
+    fn evaluate(&mut self, points: &[Vector3], gradient: &mut [Vector3]) -> f64 {
+        self.problem.evaluate(points, gradient)
+    }
+
+    fn curvature(&mut self, points: &[Vector3], direction: &[Vector3]) -> f64 {
+        self.curvatures += 1;
+        self.problem.curvature(points, direction)
+    }
+
+    fn diagonal(&self) -> &[f64] {
+        self.problem.diagonal()
+    }
+
+    fn limit(&mut self, points: &[Vector3], moves: &mut [Vector3]) -> bool {
+        self.problem.limit(points, moves)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::chain::{Chain, settings};
+    use super::*;
+
+    #[test]
+    fn all_methods_find_the_same_minimum() {
+        let small = |i: &Iterate| i.gradient.iter().all(|g| g.norm() < 1e-5);
+        let found = Method::ALL.map(|method| {
+            let mut points = vec![Vector3::zeros(); 40];
+            let mut minimizer = Minimizer::new(method, 40);
+            let run = minimizer.run(&mut Chain::new(40, 0.0), &mut points, &settings(2000, 0.5), small);
+            assert_eq!(run.0, Termination::Converged, "{method:?}");
+            points
+        });
+        for points in &found[1..] {
+            assert!(points.iter().zip(&found[0]).all(|(p, q)| (p - q).norm() < 1e-4));
+        }
+    }
+
+    #[test]
+    fn curvatures_are_counted_by_those_who_ask_for_them() {
+        let asked = Method::ALL.map(|method| {
+            let mut minimizer = Minimizer::new(method, 10);
+            minimizer.run(&mut Chain::new(10, 0.0), &mut vec![Vector3::zeros(); 10], &settings(9, 1.0), |_| false);
+            minimizer.curvatures()
+        });
+        assert!(asked[0] >= 8 && asked[1] == 1 && asked[2..] == [0, 0], "{asked:?}");
+    }
+}

@@ -1,0 +1,171 @@
+//! `toile compare` as researchers see it: files, figures that are the same again, messages.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+use toile::io::embedded;
+
+const FILES: [&str; 5] = ["comparison.json", "comparison.md", "energy.svg", "residual.svg", "strain.svg"];
+
+fn toile(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toile")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn talk(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A folder with the embedded pattern and body in it.
+fn bench() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tee.json"), embedded::TEE).unwrap();
+    std::fs::write(folder.path().join("body.obj"), embedded::MANNEQUIN_OBJ).unwrap();
+    folder
+}
+
+fn compare(folder: &Path, out: &str, more: &[&str]) -> Output {
+    let mut arguments = vec!["compare", "tee.json", "--body", "body.obj", "--out", out, "--progress", "none"];
+    arguments.extend(more);
+    toile(folder, &arguments)
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries =
+        std::fs::read_dir(folder).map(|entries| entries.map(|e| e.unwrap().file_name().into_string().unwrap()));
+    let mut names: Vec<String> = entries.map(|names| names.collect()).unwrap_or_default();
+    names.sort();
+    names
+}
+
+fn json(folder: &Path, out: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(folder.join(out).join("comparison.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn the_schedule_and_its_rivals_are_measured_on_the_same_problem() {
+    let bench = bench();
+    let more = [
+        "--levels",
+        "44,26 mm",
+        "--cap",
+        "120",
+        "--rivals",
+        "conjugate-gradient,dynamic-relaxation,lbfgs,argmin-lbfgs",
+    ];
+    let output = compare(bench.path(), "out", &more);
+    assert!([0, 4].contains(&output.status.code().unwrap()), "{}", talk(&output));
+    assert_eq!(files(&bench.path().join("out")), FILES);
+    let read = json(bench.path(), "out");
+    let runs = read["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 5);
+    for (k, run) in runs.iter().enumerate() {
+        let levels = run["levels"].as_array().unwrap();
+        assert_eq!((levels.len(), run["schedule"].as_bool().unwrap()), if k == 0 { (2, true) } else { (1, false) });
+        let particles = |level: &Value| level["particles"].as_f64().unwrap();
+        let finest = levels.last().unwrap();
+        assert_eq!(particles(finest), particles(runs[0]["levels"].as_array().unwrap().last().unwrap()));
+        let weighed = |part: &Value| part["evaluations"].as_f64().unwrap() * particles(part) / particles(finest);
+        let sum: f64 = levels.iter().map(weighed).sum::<f64>() + weighed(&run["sewing"]);
+        assert!((run["fine_equivalent"].as_f64().unwrap() / sum - 1.0).abs() < 1e-9);
+        // The end of the level, which clears the body, may go on for a few.
+        assert!(finest["evaluations"].as_u64().unwrap() <= 120 + 180);
+        assert!(run["curve"]["energy_j"].as_array().unwrap().len() > 5);
+        assert!(!run["strain"]["p99"].as_array().unwrap().is_empty());
+        assert!(run["end"]["energy_gap_j"].as_f64().unwrap() >= 0.0);
+        let asks_for_curvatures = run["minimizer"] == "conjugate-gradient";
+        assert_eq!(run["sewing"]["curvatures"].as_u64().unwrap() > 500, asks_for_curvatures);
+    }
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(table.lines().count(), 2 + 5);
+    assert!(std::fs::read_to_string(bench.path().join("out/comparison.md")).unwrap().ends_with(&table));
+}
+
+#[test]
+fn all_but_the_times_is_the_same_on_any_number_of_threads_and_is_drawn_again_alike() {
+    let bench = bench();
+    let run = |out: &str, threads: &str| {
+        let more = ["--levels", "44 mm", "--cap", "80", "--rivals", "lbfgs,dynamic-relaxation", "--threads", threads];
+        let output = compare(bench.path(), out, &[&more[..], &["--seed", "7", "--perturb", "2 mm"]].concat());
+        assert!([0, 4].contains(&output.status.code().unwrap()), "{}", talk(&output));
+        let mut read = json(bench.path(), out);
+        read.as_object_mut().unwrap().remove("times").expect("what varies stands in `times`");
+        (read, output.stdout)
+    };
+    let ((one, table), (two, _)) = (run("one", "1"), run("two", "2"));
+    assert_eq!(one.to_string(), two.to_string());
+    assert_eq!(one["perturbation"]["amplitude_m"], 0.002);
+
+    let read = |name: &str| std::fs::read(bench.path().join("one").join(name)).unwrap();
+    let before = FILES.map(read);
+    for name in &FILES[1..] {
+        std::fs::write(bench.path().join("one").join(name), "old").unwrap();
+    }
+    let again = toile(bench.path(), &["compare", "--replot", "one"]);
+    assert_eq!(again.status.code(), Some(0), "{}", talk(&again));
+    assert_eq!(again.stdout, table);
+    assert!(before == FILES.map(read));
+}
+
+#[test]
+fn the_equilibrium_is_a_finish_line_too() {
+    let bench = bench();
+    let more = [
+        "--levels",
+        "44 mm",
+        "--until",
+        "equilibrium",
+        "--residual",
+        "5",
+        "--rivals",
+        "none",
+        "--minimizer",
+        "lbfgs,conjugate-gradient",
+    ];
+    let output = compare(bench.path(), "out", &more);
+    assert_eq!(output.status.code(), Some(0), "{}", talk(&output));
+    let read = json(bench.path(), "out");
+    assert_eq!(
+        (&read["finish_line"]["residual_weights"], &read["finish_line"]["strain_p99"]),
+        (&5.0.into(), &Value::Null)
+    );
+    for run in read["runs"].as_array().unwrap() {
+        assert!(run["reached"]["fine_equivalent"].as_f64().unwrap() > 100.0);
+        assert!(run["end"]["residual_weights"].as_f64().unwrap() <= 5.0);
+    }
+}
+
+#[test]
+fn slips_are_told_with_the_right_form_and_write_nothing() {
+    let bench = bench();
+    let cases: [(&[&str], &str); 7] = [
+        (&["--rivals", "lbgfs"], "Did you mean `lbfgs`?"),
+        (&["--rivals", "newton-raphson"], "conjugate-gradient"),
+        (&["--minimizer", "none"], "--minimizer"),
+        (&["--cap", "0"], "--cap"),
+        (&["--residual", "-1"], "--residual"),
+        (&["--seed", "1", "--perturb", "5 cm"], "10 mm"),
+        (&["--perturb", "1 mm"], "--seed"),
+    ];
+    for (options, word) in cases {
+        let output = compare(bench.path(), "out", options);
+        assert_eq!(output.status.code(), Some(2), "{options:?}: {}", talk(&output));
+        assert!(talk(&output).contains(word), "{options:?}: {}", talk(&output));
+        assert!(files(&bench.path().join("out")).is_empty());
+    }
+    assert_eq!(toile(bench.path(), &["compare", "tee.json"]).status.code(), Some(2));
+}
+
+#[test]
+fn a_comparison_that_is_missing_or_corrupt_is_named() {
+    let bench = bench();
+    let missing = toile(bench.path(), &["compare", "--replot", "nowhere"]);
+    assert_eq!(missing.status.code(), Some(3));
+    assert!(talk(&missing).contains("nowhere/comparison.json"), "{}", talk(&missing));
+    std::fs::create_dir(bench.path().join("bad")).unwrap();
+    std::fs::write(bench.path().join("bad/comparison.json"), "{\"format\": \"toile comparison\", \"version\": 1,")
+        .unwrap();
+    let corrupt = toile(bench.path(), &["compare", "--replot", "bad"]);
+    assert_eq!(corrupt.status.code(), Some(3));
+    assert!(talk(&corrupt).contains("bad/comparison.json") && talk(&corrupt).contains("help: "), "{}", talk(&corrupt));
+    assert_eq!(files(&bench.path().join("bad")), ["comparison.json"]);
+}
