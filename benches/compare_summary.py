@@ -1,7 +1,8 @@
 """The table over several garments of benches/compare.sh: OUT NAME ... -> Markdown on the standard output.
 
 A ratio is a rival's cost to the finish line over that of the schedule, the first run of each comparison. Where a rival
-did not reach the line its cost is at least what it spent, and the ratio is marked with ">".
+did not reach the line its cost is at least what it spent, and the ratio is marked with ">". A garment whose schedule did
+not reach it has no ratios and no part in the means.
 """
 
 import json
@@ -44,10 +45,15 @@ def main(out, names):
             ratios = {rival: (runs[rival][unit] / schedule[unit], runs[rival][2]) for rival in rivals}
             # Of those that reached the line, if any did.
             ratios["best"] = min(ratios.values(), key=lambda r: (not r[1], r[0]))
+            own = f"{schedule[unit]:.{2 * unit}f}"
+            if not schedule[2]:
+                print(f"| {name} | {own}, not reached |" + " – |" * (len(rivals) + 1))
+                continue
             for rival, ratio in ratios.items():
                 columns[rival].append(ratio)
-            own = f"{schedule[unit]:.{2 * unit}f}" + ("" if schedule[2] else ", not reached")
             print(f"| {name} | {own} | " + " | ".join(told(*ratios[r]) for r in [*rivals, "best"]) + " |")
+        if not columns["best"]:
+            continue
         means = {r: (mean([x for x, _ in c]), all(e for _, e in c)) for r, c in columns.items()}
         print("| geometric mean | | " + " | ".join(told(*means[r]) for r in [*rivals, "best"]) + " |")
 

@@ -41,7 +41,15 @@ fn stepwise(run: &RunPart, times: &RunTimesPart, y: impl Fn(usize) -> f64) -> Ve
         y: y(k),
         coarse: run.curve.level[k] + 1 < run.levels.len(),
     };
-    (0..run.curve.level.len()).map(point).collect()
+    let mut points = Vec::new();
+    for k in 0..run.curve.level.len() {
+        if k > 0 && run.curve.level[k] != run.curve.level[k - 1] {
+            // No line leads from one level to the next.
+            points.push(RivalPoint { y: f64::NAN, ..point(k) });
+        }
+        points.push(point(k));
+    }
+    points
 }
 
 fn chart(

@@ -23,9 +23,11 @@ const HEAD: [&str; 13] = [
 /// The runs of a comparison, a row each. Ratios are to the first run.
 pub fn table(comparison: &Comparison) -> String {
     let mut rows = vec![HEAD.map(str::to_owned)];
-    let first = comparison.runs.first().zip(comparison.times.runs.first()).map(|(run, times)| cost(run, times));
+    // What the first has not reached is no measure for others.
+    let first = comparison.runs.first().filter(|run| run.reached.is_some()).zip(comparison.times.runs.first());
+    let first = first.map(|(run, times)| cost(run, times));
     for (run, times) in comparison.runs.iter().zip(&comparison.times.runs) {
-        rows.push(row(run, times, first.unwrap_or_default()));
+        rows.push(row(run, times, first));
     }
     let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
     let widths: [usize; HEAD.len()] = std::array::from_fn(width);
@@ -82,10 +84,11 @@ fn cost(run: &RunPart, times: &RunTimesPart) -> [f64; 2] {
     ]
 }
 
-fn row(run: &RunPart, times: &RunTimesPart, first: [f64; 2]) -> [String; HEAD.len()] {
+fn row(run: &RunPart, times: &RunTimesPart, first: Option<[f64; 2]>) -> [String; HEAD.len()] {
     let [evaluations, seconds] = cost(run, times);
     let beyond = if run.reached.is_some() { "" } else { "> " };
-    let ratio = |ours: f64, first: f64| format!("{beyond}{:.2}", ours / first);
+    let ratio =
+        |ours: f64, k: usize| first.map_or_else(|| "–".to_owned(), |first| format!("{beyond}{:.2}", ours / first[k]));
     let levels: Vec<String> = run.levels.iter().map(|level| describe(level.resolution_m)).collect();
     let counts: Vec<String> = run.levels.iter().map(|level| level.evaluations.to_string()).collect();
     let curvatures = run.sewing.curvatures + run.levels.iter().map(|level| level.curvatures).sum::<usize>();
@@ -95,9 +98,9 @@ fn row(run: &RunPart, times: &RunTimesPart, first: [f64; 2]) -> [String; HEAD.le
         format!("{} + {}", run.sewing.evaluations, counts.join(", ")),
         curvatures.to_string(),
         format!("{beyond}{evaluations:.0}"),
-        ratio(evaluations, first[0]),
+        ratio(evaluations, 0),
         format!("{beyond}{seconds:.2}"),
-        ratio(seconds, first[1]),
+        ratio(seconds, 1),
         format!("{:.2}", run.end.energy_gap_j * 1e3),
         format!("{:.2}", run.end.energy_gap_height_m * 1e3),
         format!("{:.3}", run.end.residual_weights),
@@ -133,5 +136,8 @@ mod tests {
         assert_eq!(schedule[13], "reached");
         assert_eq!(rival[5..9], ["> 1500", "> 3.85", "> 5.00", "> 1.67"]);
         assert_eq!((rival[9].as_str(), rival[13].as_str()), ("2.50", "not reached; fails strain p99"));
+        let mut unreached = example();
+        unreached.runs[0].reached = None;
+        assert_eq!(cells(table(&unreached).lines().nth(3).unwrap())[6], "–");
     }
 }

@@ -192,7 +192,7 @@ fn draw_panel(
         let finish = curve.finish.and_then(|finish| {
             // A count came through a text.
             let before = |k: &usize| curve.points[*k].evaluations <= finish * (1.0 + 1e-9) && inside(places[*k]);
-            (0..places.len()).filter(|k| !curve.points[*k].coarse).filter(before).next_back()
+            (0..places.len()).filter(|k| !curve.points[*k].coarse).rfind(before)
         });
         let mark = finish.map(|k| Circle::new((places[k][0], places[k][1]), MARK_RADIUS, color.filled()));
         plot.draw_series(mark)?;
