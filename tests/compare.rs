@@ -72,7 +72,7 @@ fn the_schedule_and_its_rivals_are_measured_on_the_same_problem() {
         assert!(run["curve"]["energy_j"].as_array().unwrap().len() > 5);
         assert!(!run["strain"]["p99"].as_array().unwrap().is_empty());
         assert!(run["end"]["energy_gap_j"].as_f64().unwrap() >= 0.0);
-        let asks_for_curvatures = run["minimizer"] == "conjugate-gradient";
+        let asks_for_curvatures = run["minimizer"] == "conjugate-gradient" || run["minimizer"] == "newton";
         assert_eq!(run["sewing"]["curvatures"].as_u64().unwrap() > 500, asks_for_curvatures);
     }
     let table = String::from_utf8(output.stdout).unwrap();

@@ -25,7 +25,8 @@ const FINISH_LINES: [(&str, FinishLine); 2] =
     [("handoff", FinishLine::HandOff), ("equilibrium", FinishLine::Equilibrium)];
 const MEMBRANES: [(&str, Membrane); 2] = [("coupled", Membrane::Coupled), ("springs", Membrane::Springs)];
 const BENDINGS: [(&str, Bending); 2] = [("quadratic", Bending::Quadratic), ("springs", Bending::Springs)];
-const MINIMIZERS: [(&str, Method); 4] = [
+const MINIMIZERS: [(&str, Method); 5] = [
+    ("newton", Method::Newton),
     ("conjugate-gradient", Method::ConjugateGradient),
     ("lbfgs", Method::Lbfgs),
     ("dynamic-relaxation", Method::DynamicRelaxation),

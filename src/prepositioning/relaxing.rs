@@ -10,7 +10,7 @@ use crate::assess::cloth_intersections;
 use crate::contact::{BodyContact, BodyContactSettings};
 use crate::energy::Energy;
 use crate::geometry::Vector3;
-use crate::minimize::{Iterate, Minimizer, Newton, Problem, Settings as Steps, Termination};
+use crate::minimize::{Iterate, Method, Minimizer, Newton, Problem, Settings as Steps, Termination};
 use crate::pattern::SegmentLabel;
 
 /// Evaluations of one run of the minimizer; between two runs contact is corrected and anchors of
@@ -92,7 +92,7 @@ fn coarsely(
         let most = RUN_LENGTH.min(budget - run.evaluations);
         termination = run.steps(scene, level, problem, positions, most, observer);
     }
-    if scene.settings.until == FinishLine::Equilibrium && termination != Termination::Converged {
+    if ends_by_newton(scene) && termination != Termination::Converged {
         // The nearer a level starts to its rest, the fewer dear steps it takes to get there.
         run.by_newton(scene, level, problem);
         termination = run.steps(scene, level, problem, positions, COARSE_NEWTON_EVALUATIONS, observer);
@@ -134,7 +134,7 @@ fn settle(
             problem.body.settings.friction = scene.fabric.friction;
             problem.energy.holds.clear();
             problem.update_diagonal();
-            if settings.until == FinishLine::Equilibrium {
+            if ends_by_newton(scene) {
                 run.by_newton(scene, level, problem);
             }
         }
@@ -167,6 +167,10 @@ fn settle(
         (false, true) => Termination::Stalled,
         (false, false) => Termination::Budget,
     }
+}
+
+fn ends_by_newton(scene: &Scene) -> bool {
+    scene.settings.until == FinishLine::Equilibrium && scene.settings.minimizer == Method::Newton
 }
 
 /// How often in succession a run may stall before the level is given up.
