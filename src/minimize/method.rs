@@ -18,13 +18,8 @@ pub enum Method {
 }
 
 impl Method {
-    pub const ALL: [Method; 5] = [
-        Method::Newton,
-        Method::ConjugateGradient,
-        Method::Lbfgs,
-        Method::DynamicRelaxation,
-        Method::ArgminLbfgs,
-    ];
+    pub const ALL: [Method; 5] =
+        [Method::Newton, Method::ConjugateGradient, Method::Lbfgs, Method::DynamicRelaxation, Method::ArgminLbfgs];
 }
 
 /// A minimizer of the method asked for.
@@ -43,7 +38,9 @@ enum Working {
 impl Minimizer {
     pub fn new(method: Method, point_count: usize) -> Self {
         let working = match method {
-            Method::Newton | Method::ConjugateGradient => Working::ConjugateGradient(ConjugateGradient::new(point_count)),
+            Method::Newton | Method::ConjugateGradient => {
+                Working::ConjugateGradient(ConjugateGradient::new(point_count))
+            }
             Method::Lbfgs => Working::Lbfgs(Lbfgs::new(point_count)),
             Method::DynamicRelaxation => Working::DynamicRelaxation(DynamicRelaxation::new(point_count)),
             Method::ArgminLbfgs => Working::ArgminLbfgs(ArgminLbfgs::new(point_count)),

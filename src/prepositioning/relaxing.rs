@@ -6,9 +6,9 @@ use super::problem::{Relaxation, Residual};
 use super::sewing::hold;
 use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
 use crate::arrangement::Arrangement;
-use crate::assess::cloth_intersections;
+use crate::assess::{LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, Strain, cloth_intersections, gather_allowance};
 use crate::contact::{BodyContact, BodyContactSettings};
-use crate::energy::Energy;
+use crate::energy::{Energy, GRAVITY};
 use crate::geometry::Vector3;
 use crate::minimize::{Iterate, Method, Minimizer, Newton, Problem, Settings as Steps, Termination};
 use crate::pattern::SegmentLabel;
@@ -22,6 +22,12 @@ const NEWTON_RUN_LENGTH: usize = 20;
 /// A coarse level is done at this rms residual, in particle weights: what is left is far below what
 /// the prolongation to the next level brings.
 const COARSE_RESIDUAL: f64 = 0.3;
+/// It is done too when a run lowers the energy by less than the garment's sinking by this height, m.
+const COARSE_SINKING: f64 = 5e-5;
+/// The same on the finest level, where a run is dear and friction is to have the last word, m.
+const SETTLED_SINKING: f64 = 1e-3;
+/// Share of the hand-off's limits at which the strain is clearly within them: clearing the body adds a little.
+const CLEARLY: f64 = 0.9;
 /// Share of the finest level's evaluations in which cloth slides without friction: a garment is
 /// smoothed by the hand before it is left to itself.
 const SLIDING: f64 = 0.75;
@@ -54,7 +60,7 @@ pub fn relax(
     let starting_intersections = cloth_intersections(cloth, positions).len();
     let mut problem = problem(scene, level, arrangement, positions);
     let minimizer = Minimizer::new(scene.settings.minimizer, positions.len());
-    let mut run = Run { minimizer, newton: None, evaluations: 0, curve: Vec::new() };
+    let mut run = Run { minimizer, newton: None, evaluations: 0, fallen: f64::INFINITY, curve: Vec::new() };
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
     } else {
@@ -91,6 +97,9 @@ fn coarsely(
     while run.evaluations < budget && termination == Termination::Budget {
         let most = RUN_LENGTH.min(budget - run.evaluations);
         termination = run.steps(scene, level, problem, positions, most, observer);
+        if run.fallen < COARSE_SINKING * weight(problem) {
+            break;
+        }
     }
     if ends_by_newton(scene) && termination != Termination::Converged {
         // The nearer a level starts to its rest, the fewer dear steps it takes to get there.
@@ -113,7 +122,7 @@ fn settle(
     problem: &mut Relaxation,
     run: &mut Run,
     positions: &mut Vec<Vector3>,
-    budget: usize,
+    mut budget: usize,
     observer: &mut dyn Observer,
 ) -> Termination {
     let settings = scene.settings;
@@ -122,15 +131,19 @@ fn settle(
         settings.until == FinishLine::Equilibrium
             && residual_at(problem, positions).rms <= settings.equilibrium_residual
     };
-    let (mut let_go, mut clearings, mut stalled) = (false, 0, 0);
+    let (mut let_go, mut settled, mut clearings, mut stalled) = (false, false, 0, 0);
     while run.evaluations < budget && !observer.enough() {
         let most = if run.newton.is_some() { NEWTON_RUN_LENGTH } else { RUN_LENGTH }.min(budget - run.evaluations);
         let termination = run.steps(scene, level, problem, positions, most, observer);
         let cloth = &scene.garment.levels[level];
         observer.event(&Event::Checked { level, evaluations: run.evaluations, cloth, positions });
         // Cloth finds its place by sliding; in the end it stays there by friction alone.
-        if !let_go && (run.evaluations >= sliding || termination != Termination::Budget) {
+        settled |= !let_go && is_settled(scene, level, problem, run, positions);
+        if !let_go && (run.evaluations >= sliding || settled || termination != Termination::Budget) {
             let_go = true;
+            if settled {
+                budget = run.evaluations + RUN_LENGTH;
+            }
             problem.body.settings.friction = scene.fabric.friction;
             problem.energy.holds.clear();
             problem.update_diagonal();
@@ -162,11 +175,27 @@ fn settle(
         }
     }
     run.evaluations += finish::clear_body(scene, level, problem, positions).evaluations;
-    match (balanced(problem, positions), stalled > MOST_STALLS) {
+    match (balanced(problem, positions) || settled, stalled > MOST_STALLS) {
         (true, _) => Termination::Converged,
         (false, true) => Termination::Stalled,
         (false, false) => Termination::Budget,
     }
+}
+
+/// Is cloth that slides on the finest level ready to be left to itself? It hardly sinks any more, and its strain is
+/// clearly within the limits of the hand-off. One that is too tight for them goes on to its budget.
+fn is_settled(scene: &Scene, level: usize, problem: &Relaxation, run: &Run, positions: &[Vector3]) -> bool {
+    if scene.settings.until != FinishLine::HandOff || run.fallen > SETTLED_SINKING * weight(problem) {
+        return false;
+    }
+    let cloth = &scene.garment.levels[level];
+    let strain = Strain::of(cloth, positions, &gather_allowance(scene.pattern, cloth));
+    strain.p99 < CLEARLY * LARGEST_STRAIN_P99 && strain.mean < CLEARLY * LARGEST_STRAIN_MEAN
+}
+
+/// N.
+fn weight(problem: &Relaxation) -> f64 {
+    problem.energy.masses().iter().sum::<f64>() * GRAVITY
 }
 
 fn ends_by_newton(scene: &Scene) -> bool {
@@ -235,6 +264,8 @@ struct Run {
     /// Takes over where the first is too slow.
     newton: Option<Newton>,
     evaluations: usize,
+    /// By how much the last run lowered the energy, J.
+    fallen: f64,
     curve: Vec<CurvePoint>,
 }
 
@@ -265,6 +296,7 @@ impl Run {
         let steps = Steps { evaluations, ..scene.settings.steps(&scene.garment.levels[level]) };
         let masses: Vec<f64> = problem.energy.masses().to_vec();
         let before = self.evaluations;
+        let first = self.curve.len();
         let curve = &mut self.curve;
         let done = |iterate: &Iterate| {
             let residual = Residual::of(iterate.gradient, &masses).rms;
@@ -278,6 +310,7 @@ impl Run {
             None => self.minimizer.run(problem, positions, &steps, done),
         };
         self.evaluations += spent;
+        self.fallen = self.curve[first].energy - self.curve[self.curve.len() - 1].energy;
         termination
     }
 }
