@@ -111,3 +111,76 @@ impl Cholesky {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector, Matrix3};
+
+    /// A grid of points with a definite matrix of its triangles, and the same matrix dense.
+    fn grid(side: u32) -> (BlockMatrix, Vec<Vector3>, DMatrix<f64>) {
+        let at = |i: u32, j: u32| j * side + i;
+        let triangles: Vec<[u32; 3]> = (0..side - 1)
+            .flat_map(|j| (0..side - 1).map(move |i| (i, j)))
+            .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]])
+            .collect();
+        let count = (side * side) as usize;
+        let pattern = Pattern::of_triangles(count, triangles.into_iter()).with_groups(&[[0, 1, 7, side * side - 1]]);
+        let mut matrix = BlockMatrix::zeros(pattern);
+        matrix.fill(|row, columns, blocks| {
+            for (&column, block) in columns.iter().zip(blocks) {
+                let (i, j) = (row.min(column as usize) as f64, row.max(column as usize) as f64);
+                let shear = 0.1 * (i + 2.0 * j).sin();
+                let coupling = Matrix3::new(-1.0, shear, 0.0, shear, -0.5, 0.2, 0.0, 0.2, -0.7);
+                *block = if row == column as usize { Matrix3::identity() * 12.0 } else { coupling };
+            }
+        });
+        let mut dense = DMatrix::zeros(3 * count, 3 * count);
+        for row in 0..count {
+            for (&column, block) in matrix.pattern().row(row).iter().zip(matrix.row(row)) {
+                dense.fixed_view_mut::<3, 3>(3 * row, 3 * column as usize).copy_from(block);
+            }
+        }
+        let places = (0..side * side).map(|p| Vector3::new(f64::from(p % side), f64::from(p / side), 0.0)).collect();
+        (matrix, places, dense)
+    }
+
+    #[test]
+    fn solves_what_a_dense_factor_solves() {
+        for side in [3, 14] {
+            let (matrix, places, dense) = grid(side);
+            let right: Vec<Vector3> =
+                (0..places.len()).map(|k| Vector3::new((k as f64).sin(), 1.0, 0.3 * k as f64)).collect();
+            let mut factor = Cholesky::new(matrix.pattern(), &places);
+            assert!(factor.factorize(&matrix));
+            let mut solution = vec![Vector3::zeros(); right.len()];
+            factor.solve(&right, &mut solution);
+            let flat = DVector::from_iterator(3 * right.len(), right.iter().flat_map(|r| r.iter().copied()));
+            let expected = dense.cholesky().unwrap().solve(&flat);
+            for (k, x) in solution.iter().flat_map(|s| s.iter()).enumerate() {
+                assert!((x - expected[k]).abs() < 1e-9 * expected.amax(), "{x} is not {}", expected[k]);
+            }
+            for (row, r) in right.iter().enumerate() {
+                assert!((matrix.row_times(row, &solution) - r).norm() < 1e-9 * expected.amax());
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_definite_has_no_factor() {
+        let (mut matrix, places, _) = grid(5);
+        matrix.fill(|row, columns, blocks| {
+            let own = columns.binary_search(&(row as u32)).unwrap();
+            blocks[own] = Matrix3::identity() * if row == 12 { -1.0 } else { 1.0 };
+        });
+        assert!(!Cholesky::new(matrix.pattern(), &places).factorize(&matrix));
+    }
+
+    #[test]
+    fn a_dissection_names_every_point_once() {
+        let (matrix, places, _) = grid(14);
+        let mut order = nested_dissection(matrix.pattern(), &places);
+        order.sort_unstable();
+        assert!(order.iter().enumerate().all(|(k, &p)| k == p as usize) && order.len() == 196);
+    }
+}

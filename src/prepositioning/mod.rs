@@ -14,6 +14,7 @@ mod relaxing;
 mod settings;
 mod sewing;
 
+pub use hessian::Hessian;
 pub use outcome::{CurvePoint, Event, LevelSummary, Observer, Outcome};
 pub use problem::{Relaxation, Residual};
 pub use settings::{COARSEST_LEVEL, DEFAULT_CLEARANCE, FinishLine, Settings};
