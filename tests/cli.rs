@@ -76,6 +76,7 @@ fn a_demonstration_writes_all_its_files_and_they_belong_together() {
     assert_eq!(report["inputs"]["pattern"]["sha256"], read::sha256_hex(embedded::TEE.as_bytes()));
     assert_eq!(report["hand_off_ready"], status(&output) == 0);
     assert_eq!(report["assessment"]["intersections"]["body_pairs"], 0);
+    assert_its_stages_add_up(&report["run"]);
     let state = state::read(&files["state.toile"]).unwrap();
     let (_, garment) = state.rebuild().unwrap();
     let particles = garment.levels.last().unwrap().particle_count;
@@ -94,6 +95,21 @@ fn a_demonstration_writes_all_its_files_and_they_belong_together() {
     assert!(files["garment.glb"].starts_with(b"glTF"));
 }
 
+/// Of a run with one level.
+fn assert_its_stages_add_up(run: &Value) {
+    let stages = run["stages"].as_array().unwrap();
+    let names: Vec<&str> = stages.iter().map(|stage| stage["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["body", "start-up", "sewing", "level 1", "assessment"]);
+    for [whole, solve, part] in
+        [["wall_seconds", "solve_wall_seconds", "wall_seconds"], ["cpu_seconds", "solve_cpu_seconds", "cpu_seconds"]]
+    {
+        // A system that tells no processor time tells none at all.
+        let Some(whole) = run[whole].as_f64() else { continue };
+        let parts: f64 = stages.iter().map(|stage| stage[part].as_f64().unwrap()).sum();
+        assert!((parts - run[solve].as_f64().unwrap()).abs() < 1e-9 && parts < whole, "{run}");
+    }
+}
+
 #[test]
 fn the_number_of_threads_changes_no_byte() {
     let bench = Bench::new();
@@ -102,7 +118,8 @@ fn the_number_of_threads_changes_no_byte() {
         assert!([0, 4].contains(&status(&output)), "{}", talk(&output));
         let mut files = files(&bench.path(threads));
         let mut report: Value = serde_json::from_slice(&files["report.json"]).unwrap();
-        report.as_object_mut().unwrap().remove("run").expect("what varies stands in `run`");
+        let host = report.as_object_mut().unwrap().remove("run").expect("what varies stands in `run`");
+        assert_eq!(host["threads"].to_string(), threads);
         files.insert("report.json".to_owned(), report.to_string().into_bytes());
         files
     };

@@ -40,10 +40,10 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
     let [Some(pattern), Some(body), Some(out)] = [&asked.pattern, &asked.body, &asked.out] else {
         unreachable!("clap asks for these three unless something is drawn again");
     };
+    let threads = start_threads(asked.solving.threads()?);
     let pattern = PatternInput::open(pattern)?;
     let body = BodyInput::open(body)?;
     let fabric = fabric(asked.solving.fabric.as_deref())?;
-    let threads = start_threads(asked.solving.threads()?);
     // Better to know now than after the work that the results cannot be written.
     results::prepare(out)?;
     let warnings: Vec<_> = pattern.warnings.iter().chain(&body.warnings).collect();

@@ -9,6 +9,7 @@ use std::time::Instant;
 pub fn run(asked: &Demo) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
+    fit::start_threads(asked.solving.threads()?);
     let (name, text) = match asked.garment {
         Garment::Tee => ("tee", embedded::TEE),
         Garment::Dress => ("dress", embedded::DRESS),

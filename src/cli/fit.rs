@@ -3,11 +3,12 @@
 use super::arguments::{Fit, Progress, Solving, wants_equilibrium};
 use super::inputs::{BodyInput, PatternInput, fabric, settings_text, tell};
 use super::progress::Watcher;
+use super::stopwatch::Stopwatch;
 use super::{Failure, Status, results};
 use crate::Error;
 use crate::assess::hand_off;
 use crate::io::process;
-use crate::io::report::Host;
+use crate::io::report::{Host, Solve};
 use crate::minimize::Termination;
 use crate::prepositioning::{Outcome, Settings, preposition};
 use std::path::Path;
@@ -16,12 +17,13 @@ use std::time::Instant;
 pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
+    start_threads(asked.solving.threads()?);
     let pattern = PatternInput::open(&asked.pattern)?;
     let body = BodyInput::open(&asked.body)?;
     fit(&pattern, &body, &settings, &asked.solving, &asked.out, started)
 }
 
-/// Fits, writes the results into `out`, and tells how it went.
+/// Fits on the threads that were started, writes the results into `out`, and tells how it went.
 pub fn fit(
     pattern: &PatternInput,
     body: &BodyInput,
@@ -31,27 +33,39 @@ pub fn fit(
     started: Instant,
 ) -> Result<Status, Failure> {
     let fabric = fabric(solving.fabric.as_deref())?;
-    let threads = start_threads(solving.threads()?);
     // Better to know now than after the work that the results cannot be written.
     results::prepare(out)?;
     let silent = solving.progress == Progress::None;
     let warnings: Vec<_> = pattern.warnings.iter().chain(&body.warnings).collect();
     let warnings = tell(&warnings, silent);
 
-    let mut watcher = Watcher::new(solving.progress);
-    let outcome = preposition(&pattern.pattern, &fabric, &body.body, settings, &mut watcher)
+    let mut stopwatch = Stopwatch::start(Watcher::new(solving.progress));
+    let outcome = preposition(&pattern.pattern, &fabric, &body.body, settings, &mut stopwatch)
         .map_err(|e| e.within(&pattern.place))?;
+    let (watcher, stages) = stopwatch.stop();
+    let solve = Solve {
+        stages: [body.stage.clone()].into_iter().chain(stages).collect(),
+        peak_memory_bytes: process::peak_memory_bytes(),
+    };
     watcher.finish();
 
     let host = || Host {
         wall_seconds: started.elapsed().as_secs_f64(),
         cpu_seconds: process::cpu_seconds(),
         peak_memory_bytes: process::peak_memory_bytes(),
-        threads,
+        threads: rayon::current_num_threads(),
         cpu: process::cpu_name(),
         system: process::system_name(),
     };
-    let run = results::Run { pattern, body, fabric: &fabric, settings, warnings: &warnings, outcome: &outcome };
+    let run = results::Run {
+        pattern,
+        body,
+        fabric: &fabric,
+        settings,
+        warnings: &warnings,
+        outcome: &outcome,
+        solve: &solve,
+    };
     let host = results::write(&run, out, host)?;
     if solving.progress != Progress::None {
         eprintln!("{}", summary(&outcome, settings, &host, out));
@@ -59,7 +73,8 @@ pub fn fit(
     Ok(status(&outcome, settings))
 }
 
-/// Makes the threads that everything parallel runs on; returns how many.
+/// Makes the threads that everything parallel runs on; returns how many. To be called before anything is read:
+/// the first parallel work, which may be the making of a body, settles how many there are.
 pub fn start_threads(asked: Option<usize>) -> usize {
     if let Some(threads) = asked {
         // The pool is made once in a process; a second call, which only tests could make, keeps it.

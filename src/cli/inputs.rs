@@ -1,8 +1,10 @@
 //! What a command is given, read and checked.
 
 use super::arguments::Solving;
+use super::stopwatch::Moment;
 use super::{Failure, complaint};
 use crate::body::Body;
+use crate::io::report::Stage;
 use crate::io::{body_obj, fabric_toml, garmentcode, read};
 use crate::pattern::{Fabric, Pattern};
 use crate::{Error, Warning};
@@ -37,6 +39,8 @@ pub struct BodyInput {
     pub name: String,
     pub sha256: String,
     pub warnings: Vec<Warning>,
+    /// What it took to make the body of its mesh.
+    pub stage: Stage,
 }
 
 impl BodyInput {
@@ -46,8 +50,11 @@ impl BodyInput {
     }
 
     pub fn parse(bytes: &[u8], name: &str) -> Result<Self, Error> {
-        let (body, warnings) = body_obj::parse(bytes)?;
-        Ok(Self { body, name: name.to_owned(), sha256: read::sha256_hex(bytes), warnings })
+        let (positions, triangles) = body_obj::mesh(bytes)?;
+        let start = Moment::now();
+        let (body, warnings) = Body::new(positions, triangles)?;
+        let stage = start.stage("body");
+        Ok(Self { body, name: name.to_owned(), sha256: read::sha256_hex(bytes), warnings, stage })
     }
 }
 

@@ -10,6 +10,7 @@ mod fit;
 mod inputs;
 mod progress;
 mod results;
+mod stopwatch;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

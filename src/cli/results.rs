@@ -5,7 +5,7 @@ use crate::Error;
 use crate::assess::principal_stretches;
 use crate::geometry::Vector3;
 use crate::io::picture::{BodyView, Curve, CurvePoint, GarmentView, StrainField, convergence, preview, strain};
-use crate::io::report::{Host, RunFacts, report, to_json};
+use crate::io::report::{Host, RunFacts, Solve, report, to_json};
 use crate::io::state::{self, State};
 use crate::io::{atomic, garment_obj, glb};
 use crate::pattern::Fabric;
@@ -21,6 +21,7 @@ pub struct Run<'a> {
     pub settings: &'a Settings,
     pub warnings: &'a [String],
     pub outcome: &'a Outcome,
+    pub solve: &'a Solve,
 }
 
 /// Makes the folder if it is not there.
@@ -55,6 +56,7 @@ pub fn write(run: &Run, out: &Path, host: impl Fn() -> Host) -> Result<Host, Err
         settings: run.settings,
         warnings: run.warnings,
         outcome,
+        solve: run.solve,
         host: &host,
     };
     atomic::write(&out.join("report.json"), to_json(&report(&facts)).as_bytes())?;

@@ -17,6 +17,12 @@ const MOST_TRIANGLES: usize = 2 * MOST_VERTICES;
 
 /// Reads a body from the text of an OBJ file: all its objects together, polygons cut into triangles.
 pub fn parse(bytes: &[u8]) -> Result<(Body, Vec<Warning>), Error> {
+    let (positions, triangles) = mesh(bytes)?;
+    Body::new(positions, triangles)
+}
+
+/// Positions, m, and triangles of an OBJ file, which need not be those of a body.
+pub fn mesh(bytes: &[u8]) -> Result<(Vec<Vector3>, Vec<[u32; 3]>), Error> {
     if bytes.iter().all(|b| b.is_ascii_whitespace()) {
         return Err(Error::new("The body file is empty.", "Give an OBJ file with a closed triangle mesh of the body."));
     }
@@ -26,8 +32,7 @@ pub fn parse(bytes: &[u8]) -> Result<(Body, Vec<Warning>), Error> {
         lines.read(&String::from_utf8_lossy(line), number).map_err(|e| e.within(format!("line {number}")))?;
     }
     lines.check_indices()?;
-    let (positions, triangles) = mesh_of(&lines.text)?;
-    Body::new(positions, triangles)
+    mesh_of(&lines.text)
 }
 
 /// Positions, m, and triangles of checked lines.

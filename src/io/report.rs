@@ -32,7 +32,28 @@ pub struct RunFacts<'a> {
     /// What was doubtful about the input.
     pub warnings: &'a [String],
     pub outcome: &'a Outcome,
+    pub solve: &'a Solve,
     pub host: &'a Host,
+}
+
+/// What the work took from the parsed pattern and the parsed mesh of the body to the outcome: everything but
+/// reading and writing files and drawing pictures. Differs from run to run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Solve {
+    /// All of it, in its order.
+    pub stages: Vec<Stage>,
+    /// The most memory that was resident at once until the outcome was there.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// A part of the work and what it took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Stage {
+    /// `body`, `start-up`, `sewing`, `level 1` and so on, `assessment`.
+    pub name: String,
+    pub wall_seconds: f64,
+    /// Of all threads.
+    pub cpu_seconds: Option<f64>,
 }
 
 /// What differs from run to run.
@@ -68,7 +89,7 @@ pub struct Report {
     /// Coarsest first.
     pub levels: Vec<LevelPart>,
     /// All that differs from run to run.
-    pub run: Host,
+    pub run: RunPart,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -215,6 +236,16 @@ pub struct CurvePart {
     pub residual_weights: Vec<f64>,
 }
 
+#[derive(Clone, Debug, Serialize)]
+pub struct RunPart {
+    #[serde(flatten)]
+    pub host: Host,
+    pub solve_wall_seconds: f64,
+    pub solve_cpu_seconds: Option<f64>,
+    pub solve_peak_memory_bytes: Option<u64>,
+    pub stages: Vec<Stage>,
+}
+
 /// The report of a run.
 pub fn report(run: &RunFacts) -> Report {
     let (pattern, outcome) = (run.pattern, run.outcome);
@@ -245,7 +276,7 @@ pub fn report(run: &RunFacts) -> Report {
             shifts: shifts_part(pattern, &outcome.shifts),
         },
         levels: outcome.levels.iter().zip(&outcome.garment.levels).map(|(s, level)| level_part(s, level)).collect(),
-        run: run.host.clone(),
+        run: run_part(run.host, run.solve),
     }
 }
 
@@ -288,6 +319,16 @@ pub(super) fn settings_part(settings: &Settings) -> SettingsPart {
         coarse_evaluations: *coarse_evaluations,
         finest_evaluations: *finest_evaluations,
         equilibrium_evaluations: *equilibrium_evaluations,
+    }
+}
+
+fn run_part(host: &Host, solve: &Solve) -> RunPart {
+    RunPart {
+        host: host.clone(),
+        solve_wall_seconds: solve.stages.iter().map(|stage| stage.wall_seconds).sum(),
+        solve_cpu_seconds: solve.stages.iter().map(|stage| stage.cpu_seconds).sum(),
+        solve_peak_memory_bytes: solve.peak_memory_bytes,
+        stages: solve.stages.clone(),
     }
 }
 
@@ -410,6 +451,10 @@ mod tests {
     }
 
     fn json(host: &Host) -> String {
+        json_of(host, &Solve::default())
+    }
+
+    fn json_of(host: &Host, solve: &Solve) -> String {
         let (pattern, outcome) = outcome();
         to_json(&report(&RunFacts {
             pattern: &pattern,
@@ -420,6 +465,7 @@ mod tests {
             settings: &Settings::default(),
             warnings: &["panel \"front\": odd".to_owned()],
             outcome: &outcome,
+            solve,
             host,
         }))
     }
@@ -464,9 +510,26 @@ mod tests {
     fn only_the_run_differs_between_runs() {
         let strip = |text: String| text[..text.find("\"run\"").unwrap()].to_owned();
         let other = Host { wall_seconds: 9.0, cpu: Some("other".into()), threads: 8, ..Host::default() };
-        let (first, second) = (json(&Host::default()), json(&other));
+        let stages = vec![Stage { name: "body".into(), wall_seconds: 0.5, cpu_seconds: None }];
+        let (first, second) = (json(&Host::default()), json_of(&other, &Solve { stages, ..Solve::default() }));
         assert_ne!(first, second);
         assert_eq!(strip(first), strip(second));
+    }
+
+    #[test]
+    fn stages_add_up_to_the_solve() {
+        let stage = |name: &str, wall_seconds, cpu_seconds| Stage { name: name.into(), wall_seconds, cpu_seconds };
+        let mut solve = Solve { peak_memory_bytes: Some(7), ..Solve::default() };
+        solve.stages = vec![stage("body", 0.5, Some(1.0)), stage("start-up", 0.25, Some(0.5))];
+        let run =
+            |solve: &Solve| serde_json::from_str::<Value>(&json_of(&Host::default(), solve)).unwrap()["run"].take();
+        let whole = run(&solve);
+        assert_eq!((&whole["solve_wall_seconds"], &whole["solve_cpu_seconds"]), (&0.75.into(), &1.5.into()));
+        assert_eq!((&whole["wall_seconds"], &whole["solve_peak_memory_bytes"]), (&0.0.into(), &7.into()));
+        assert_eq!(whole["stages"][1]["name"], "start-up");
+        // A sum of which a part is not known is not known.
+        solve.stages[1].cpu_seconds = None;
+        assert_eq!(run(&solve)["solve_cpu_seconds"], Value::Null);
     }
 
     #[test]
