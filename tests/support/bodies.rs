@@ -36,6 +36,29 @@ impl Mesh {
         mesh
     }
 
+    /// What a profile of `[radius, y]`, from below upwards, sweeps when it is turned around y; both ends are closed.
+    pub fn turned(profile: &[[f64; 2]], columns: usize) -> Self {
+        let mut mesh = Self::default();
+        for [radius, y] in profile {
+            for column in 0..columns {
+                let (x, z) = (std::f64::consts::TAU * column as f64 / columns as f64).sin_cos();
+                mesh.vertices.push([radius * x, *y, radius * z]);
+            }
+        }
+        let at = |ring: usize, column: usize| ring * columns + column % columns;
+        let (bottom, top) = (mesh.vertices.len(), mesh.vertices.len() + 1);
+        mesh.vertices.extend([[0.0, profile[0][1], 0.0], [0.0, profile[profile.len() - 1][1], 0.0]]);
+        for column in 0..columns {
+            mesh.faces.push(vec![bottom, at(0, column + 1), at(0, column)]);
+            mesh.faces.push(vec![top, at(profile.len() - 1, column), at(profile.len() - 1, column + 1)]);
+            for ring in 0..profile.len() - 1 {
+                let (low, high) = (at(ring, column), at(ring + 1, column));
+                mesh.faces.push(vec![low, at(ring, column + 1), at(ring + 1, column + 1), high]);
+            }
+        }
+        mesh
+    }
+
     /// Two legs and a trunk, 1.75 m tall, as three balls that overlap a little.
     pub fn figure() -> Self {
         let mut mesh = Self::default();
