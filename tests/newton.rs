@@ -100,8 +100,8 @@ fn the_hessian_is_the_derivative_of_the_gradient() {
 #[test]
 fn cloth_on_a_ball_comes_to_rest_to_a_millionth_of_its_weight() {
     let (body, field) = ball();
-    let level = sheet(0.4, 0.4, 0.02);
-    let flat: Vec<Vector3> = level.rest.iter().map(|p| Vector3::new(p.x - 0.2, TOP + 0.008, p.y - 0.2)).collect();
+    let level = sheet(0.24, 0.24, 0.02);
+    let flat: Vec<Vector3> = level.rest.iter().map(|p| Vector3::new(p.x - 0.12, TOP + 0.008, p.y - 0.12)).collect();
     let mut problem = relaxation(&body, &field, &level, &flat);
     let mut positions = flat;
     let settings = |evaluations| Settings { evaluations, largest_move: 0.003, restart_after: 100 };

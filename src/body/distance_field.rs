@@ -234,7 +234,7 @@ impl DistanceField {
     /// The coarse spline's coefficient at a fine node.
     fn halfway(&self, x: usize, y: usize, z: usize) -> f32 {
         // The nearest coarse node and the one on the other side of the fine node.
-        let pair = |c: usize| [c / 2, if c % 2 == 0 { c / 2 - 1 } else { c / 2 + 1 }];
+        let pair = |c: usize| [c / 2, if c.is_multiple_of(2) { c / 2 - 1 } else { c / 2 + 1 }];
         let (nx, nz) = (self.coarse.extent[0], self.coarse.extent[2]);
         let ([x0, x1], [y0, y1], [z0, z1]) = (pair(x), pair(y), pair(z));
         let row = |y: usize, z: usize| {
