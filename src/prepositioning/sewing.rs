@@ -9,10 +9,10 @@ use super::problem::Relaxation;
 use super::{Event, Observer, Scene};
 use crate::arrangement::Arrangement;
 use crate::contact::{BodyContact, BodyContactSettings};
-use crate::energy::{Energy, Hold};
+use crate::energy::{Energy, Hold, Stitches};
 use crate::garment::Level;
 use crate::geometry::Vector3;
-use crate::minimize::{Minimizer, Settings as Steps};
+use crate::minimize::{Iterate, Minimizer, Settings as Steps};
 use crate::pattern::{Pattern, SegmentLabel};
 
 /// Steps in which the seams close.
@@ -23,8 +23,15 @@ const CLOSING_STIFFNESS: f64 = 50.0;
 /// At the end the stiffness grows by this factor in each of some steps, until the gaps are gone.
 const TIGHTENING: f64 = 3.0;
 const MOST_TIGHTENING_STEPS: usize = 6;
-/// Evaluations for each step.
+/// Evaluations for each step, at most.
 const EVALUATIONS_PER_STEP: usize = 80;
+/// A step of closing is over when no stitch lags behind by more than this share of what the widest seam closes in a
+/// step: the next one pulls in the same direction, so that the last of the lag can wait until the end.
+const LAG_SHARE: f64 = 0.25;
+/// A step of growing is over when the latest [`GAIN_EVALUATIONS`] lowered the energy by no more than this share of what
+/// the step has lowered it by: what is left the relaxation of the level does.
+const GAIN_SHARE: f64 = 0.05;
+const GAIN_EVALUATIONS: usize = 10;
 /// A seam is closed when its largest gap is below this, m: welding then moves nobody noticeably.
 const CLOSED: f64 = 5e-4;
 /// How much thinner the body is thought while the seams close, m: less than the radius of a wrist.
@@ -52,15 +59,18 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
     let steps = Steps { evaluations: EVALUATIONS_PER_STEP, ..settings.steps(open) };
     let mut evaluations = 0;
     let gaps = problem.energy.stitches.gaps(&positions);
+    let pace = largest(&gaps) / CLOSING_STEPS as f64;
     let mut tightening = 0;
     for step in 1.. {
         let open_share = 1.0 - (step as f64 / CLOSING_STEPS as f64).min(1.0);
         let stitches = &mut problem.energy.stitches;
         stitches.lengths = gaps.iter().map(|gap| gap * open_share).collect();
         stitches.stiffness = CLOSING_STIFFNESS * TIGHTENING.powi(tightening as i32);
+        let (stitches, enough) = (stitches.clone(), if step < CLOSING_STEPS { LAG_SHARE * pace } else { CLOSED });
         problem.update_diagonal();
-        evaluations += minimizer.run(&mut problem, &mut positions, &steps, |_| false).2;
-        let gap = problem.energy.stitches.gaps(&positions).into_iter().fold(0.0, f64::max);
+        let done = |iterate: &Iterate| largest_lag(&stitches, iterate.points) < enough;
+        evaluations += minimizer.run(&mut problem, &mut positions, &steps, done).2;
+        let gap = largest(&problem.energy.stitches.gaps(&positions));
         observer.event(&Event::Sewing {
             step,
             closing_steps: CLOSING_STEPS,
@@ -78,11 +88,48 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
     for step in 1..=GROWING_STEPS {
         let thin = SHRINKAGE * (1.0 - step as f64 / GROWING_STEPS as f64);
         problem.body.settings.clearance = settings.clearance - thin;
-        evaluations += minimizer.run(&mut problem, &mut positions, &steps, |_| false).2;
+        let mut gain = Gain::default();
+        evaluations += minimizer.run(&mut problem, &mut positions, &steps, |iterate| gain.is_little(iterate)).2;
     }
-    let largest_gap = problem.energy.stitches.gaps(&positions).into_iter().fold(0.0, f64::max);
+    let mut largest_gap = largest(&problem.energy.stitches.gaps(&positions));
+    // What has grown may have opened seams again.
+    while largest_gap >= CLOSED && tightening < MOST_TIGHTENING_STEPS {
+        tightening += 1;
+        problem.energy.stitches.stiffness = CLOSING_STIFFNESS * TIGHTENING.powi(tightening as i32);
+        let stitches = problem.energy.stitches.clone();
+        problem.update_diagonal();
+        let done = |iterate: &Iterate| largest_lag(&stitches, iterate.points) < CLOSED;
+        evaluations += minimizer.run(&mut problem, &mut positions, &steps, done).2;
+        largest_gap = largest(&problem.energy.stitches.gaps(&positions));
+    }
     observer.event(&Event::Sewn { open, evaluations, curvatures: minimizer.curvatures(), largest_gap });
     Sewn { positions, largest_gap, evaluations }
+}
+
+fn largest(lengths: &[f64]) -> f64 {
+    lengths.iter().copied().fold(0.0, f64::max)
+}
+
+/// How far the stitch that is farthest behind is beyond the length from which it pulls, m, not negative.
+fn largest_lag(stitches: &Stitches, positions: &[Vector3]) -> f64 {
+    let gaps = stitches.gaps(positions);
+    gaps.iter().zip(&stitches.lengths).map(|(gap, length)| gap - length).fold(0.0, f64::max)
+}
+
+/// How the lowest energy of a run came down: evaluations and J, as accepted steps went by.
+#[derive(Default)]
+struct Gain {
+    lowest: Vec<(usize, f64)>,
+}
+
+impl Gain {
+    /// Have the latest evaluations gained next to nothing?
+    fn is_little(&mut self, iterate: &Iterate) -> bool {
+        let now = self.lowest.last().map_or(iterate.value, |&(_, before)| before.min(iterate.value));
+        self.lowest.push((iterate.evaluations, now));
+        let before = self.lowest.iter().rev().find(|(at, _)| at + GAIN_EVALUATIONS <= iterate.evaluations);
+        before.is_some_and(|(_, before)| before - now <= GAIN_SHARE * (self.lowest[0].1 - now))
+    }
 }
 
 fn problem<'a>(scene: &Scene<'a>, positions: &[Vector3]) -> Relaxation<'a> {
@@ -141,4 +188,34 @@ fn anchored(particles: Vec<u32>, positions: &[Vector3]) -> Option<Hold> {
     }
     let height = particles.iter().map(|&p| positions[p as usize].y).sum::<f64>() / particles.len() as f64;
     Some(Hold { particles, height, stiffness: HOLD_STIFFNESS })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn iterate(value: f64, evaluations: usize) -> Iterate<'static> {
+        Iterate { points: &[], gradient: &[], value, evaluations }
+    }
+
+    #[test]
+    fn a_step_goes_on_while_it_gains_and_swings_are_no_gain() {
+        let mut gain = Gain::default();
+        assert!((1..200).all(|k| !gain.is_little(&iterate(-0.01 * k as f64, k))), "a twentieth of 200 is ten");
+        let mut gain = Gain::default();
+        let fading = |k: usize| 0.8f64.powi(k as i32) + if k % 7 == 3 { 0.5 } else { 0.0 };
+        let end = (1..200).find(|&k| gain.is_little(&iterate(fading(k), k))).unwrap();
+        assert!((15..30).contains(&end), "{end}");
+        // Nothing to gain at all.
+        let mut gain = Gain::default();
+        assert_eq!((1..200).find(|&k| gain.is_little(&iterate(1.0, k))), Some(1 + GAIN_EVALUATIONS));
+    }
+
+    #[test]
+    fn the_lag_is_that_of_the_stitch_farthest_behind() {
+        let stitches = Stitches { pairs: vec![[0, 1], [1, 2]], lengths: vec![0.5, 3.0], stiffness: 1.0 };
+        let at = |y: f64| vec![Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, y, 0.0)];
+        assert_eq!([largest_lag(&stitches, &at(2.0)), largest_lag(&stitches, &at(4.0))], [0.5, 1.0]);
+        assert_eq!(largest_lag(&Stitches::default(), &[]), 0.0);
+    }
 }
