@@ -5,6 +5,8 @@
 #   benches/performance.sh DATA quick    one round, nothing finer than 2.5 mm, few evaluations to equilibrium:
 #                                        shows in a few minutes that all works, and is no measurement
 #
+# EQUILIBRIUM_EVALUATIONS may say how many evaluations a run to equilibrium is granted.
+#
 # DATA has patterns/garmentcode and bodies. Measures and reports stay in target/performance, from which
 # benches/performance.py, which needs Python 3 and no packages, writes the page.
 set -euo pipefail
@@ -55,9 +57,14 @@ for mm in "${resolutions[@]}"; do
 done
 fit dress-5 dress 5 "$rounds"
 
+RAYON_NUM_THREADS=2 target/release/examples/startup "$data/patterns/garmentcode/tee.json" "$data/bodies/mean_all.obj" \
+    5 "$rounds" | tee "$work/startup.txt"
+CRITERION_HOME=$PWD/$work/criterion cargo bench --locked --bench hot_paths
+
+most=${EQUILIBRIUM_EVALUATIONS:-$([ "$mode" = full ] && echo 20000 || echo 500)}
 equilibrium() { # NAME MM RESIDUAL
     printf 'equilibrium_residual = %s\n' "$3" > "$work/$1.toml"
-    [ "$mode" = full ] || printf 'equilibrium_evaluations = 500\n' >> "$work/$1.toml"
+    printf 'equilibrium_evaluations = %s\n' "$most" >> "$work/$1.toml"
     fit "$1" dress "$2" "$few" --until equilibrium --settings "$work/$1.toml"
 }
 equilibrium equilibrium-10-1e-3 10 1e-3
@@ -65,10 +72,6 @@ if [ "$mode" = full ]; then
     equilibrium equilibrium-5-0.1 5 0.1
     equilibrium equilibrium-5-1e-3 5 1e-3
 fi
-
-RAYON_NUM_THREADS=2 target/release/examples/startup "$data/patterns/garmentcode/tee.json" "$data/bodies/mean_all.obj" \
-    5 "$rounds" | tee "$work/startup.txt"
-CRITERION_HOME=$PWD/$work/criterion cargo bench --locked --bench hot_paths
 
 commit=$(git rev-parse --short HEAD)
 [ -z "$(git status --porcelain -- src data Cargo.toml Cargo.lock)" ] || commit="$commit, with changes"
