@@ -1,8 +1,8 @@
-"""The table over several garments of benches/compare.sh: OUT NAME ... -> Markdown on the standard output.
+"""The tables over several garments of benches/compare.sh: OUT NAME ... -> Markdown on the standard output.
 
-A ratio is a rival's cost to the finish line over that of the schedule, the first run of each comparison. Where a rival
-did not reach the line its cost is at least what it spent, and the ratio is marked with ">". A garment whose schedule did
-not reach it has no ratios and no part in the means.
+For each finish line, and for evaluations and processor seconds: a rival's cost over that of the schedule, the first run of
+each comparison. Where a rival did not reach the line its cost is at least what it spent, and the ratio is marked with ">".
+A garment whose schedule did not reach it has no ratios and no part in the means.
 """
 
 import json
@@ -10,12 +10,14 @@ import math
 import pathlib
 import sys
 
+LINES = {"strain": "to little strain", "settled": "until settled", "equilibrium": "to equilibrium"}
 
-def cost(run, times):
+
+def cost(run, times, line):
     """Fine-equivalent evaluations, processor seconds, and whether the line was reached."""
-    reached = run["reached"]
+    reached = run["reached"][line]
     evaluations = (reached or run)["fine_equivalent"]
-    seconds = (times["reached"] or times["total"])["cpu_seconds"]
+    seconds = (times["reached"][line] or times["total"])["cpu_seconds"]
     return evaluations, seconds, reached is not None
 
 
@@ -27,35 +29,42 @@ def told(ratio, exact):
     return f"{'' if exact else '> '}{ratio:.1f}"
 
 
-def main(out, names):
-    garments = []
-    for name in names:
-        read = json.loads((pathlib.Path(out) / name / "comparison.json").read_text())
-        runs = {run["name"]: cost(run, times) for run, times in zip(read["runs"], read["times"]["runs"])}
-        garments.append((name, next(iter(runs.values())), dict(list(runs.items())[1:])))
-    rivals = [rival for rival in garments[0][2] if all(rival in runs for _, _, runs in garments)]
-    if not rivals:
-        sys.exit("the comparisons have no rival in common")
-    for unit, title in enumerate(["Fine-equivalent evaluations", "Processor seconds"]):
-        print(f"\n## {title} to the finish line, over those of the schedule\n")
-        print("| garment | schedule | " + " | ".join(rivals) + " | best |")
-        print("|---" * (len(rivals) + 3) + "|")
-        columns = {rival: [] for rival in [*rivals, "best"]}
-        for name, schedule, runs in garments:
-            ratios = {rival: (runs[rival][unit] / schedule[unit], runs[rival][2]) for rival in rivals}
-            # Of those that reached the line, if any did.
-            ratios["best"] = min(ratios.values(), key=lambda r: (not r[1], r[0]))
-            own = f"{schedule[unit]:.{2 * unit}f}"
-            if not schedule[2]:
-                print(f"| {name} | {own}, not reached |" + " – |" * (len(rivals) + 1))
-                continue
-            for rival, ratio in ratios.items():
-                columns[rival].append(ratio)
-            print(f"| {name} | {own} | " + " | ".join(told(*ratios[r]) for r in [*rivals, "best"]) + " |")
-        if not columns["best"]:
+def table(garments, rivals, unit):
+    """Garments are names with the costs of the schedule and of each rival; the unit is 0 or 1, as in `cost`."""
+    print("| garment | schedule | " + " | ".join(rivals) + " | best |")
+    print("|---" * (len(rivals) + 3) + "|")
+    columns = {rival: [] for rival in [*rivals, "best"]}
+    for name, schedule, runs in garments:
+        ratios = {rival: (runs[rival][unit] / schedule[unit], runs[rival][2]) for rival in rivals}
+        # Of those that reached the line; if none did, the least that is known of any.
+        ratios["best"] = min(ratios.values(), key=lambda r: (not r[1], r[0]))
+        own = f"{schedule[unit]:.{2 * unit}f}"
+        if not schedule[2]:
+            print(f"| {name} | {own}, not reached |" + " – |" * (len(rivals) + 1))
             continue
+        for rival, ratio in ratios.items():
+            columns[rival].append(ratio)
+        print(f"| {name} | {own} | " + " | ".join(told(*ratios[r]) for r in [*rivals, "best"]) + " |")
+    if columns["best"]:
         means = {r: (mean([x for x, _ in c]), all(e for _, e in c)) for r, c in columns.items()}
         print("| geometric mean | | " + " | ".join(told(*means[r]) for r in [*rivals, "best"]) + " |")
+
+
+def main(out, names):
+    read = {name: json.loads((pathlib.Path(out) / name / "comparison.json").read_text()) for name in names}
+    rivals = [run["name"] for run in read[names[0]]["runs"][1:]]
+    rivals = [r for r in rivals if all(r in [run["name"] for run in made["runs"]] for made in read.values())]
+    if not rivals:
+        sys.exit("the comparisons have no rival in common")
+    until = read[names[0]]["finish_line"]["until"]
+    for line in ["equilibrium"] if until == "equilibrium" else ["strain", "settled"]:
+        garments = []
+        for name, made in read.items():
+            runs = {run["name"]: cost(run, times, line) for run, times in zip(made["runs"], made["times"]["runs"])}
+            garments.append((name, next(iter(runs.values())), runs))
+        for unit, title in enumerate(["Fine-equivalent evaluations", "Processor seconds"]):
+            print(f"\n### {title} {LINES[line]}, over those of the schedule\n")
+            table(garments, rivals, unit)
 
 
 main(sys.argv[1], sys.argv[2:])

@@ -82,9 +82,12 @@ pub struct Compare {
     /// Minimizers that have the finest level alone, or none
     #[arg(long, value_name = "LIST", default_value = "conjugate-gradient,lbfgs,argmin-lbfgs,dynamic-relaxation")]
     pub rivals: String,
-    /// Evaluations on the finest level after which a run is given up
+    /// Evaluations on the finest level after which a rival is given up, and a schedule on its way to equilibrium
     #[arg(long, value_name = "EVALUATIONS", default_value_t = 20_000)]
     pub cap: usize,
+    /// How much higher than the schedule leaves it a settled garment may hang on average
+    #[arg(long, value_name = "LENGTH", default_value = "0.5 mm", allow_hyphen_values = true)]
+    pub allowance: String,
     /// Residual of the equilibrium, rms in particle weights [default: 0.1]
     #[arg(long, value_name = "WEIGHTS", allow_hyphen_values = true)]
     pub residual: Option<f64>,
@@ -94,7 +97,7 @@ pub struct Compare {
     /// How far off at most, with --seed
     #[arg(long, value_name = "LENGTH", default_value = "1 mm", allow_hyphen_values = true, requires = "seed")]
     pub perturb: String,
-    /// Go on to the cap after the finish line of the hand-off, for whole curves
+    /// Rivals go on to the cap after they have settled, for whole curves
     #[arg(long)]
     pub whole: bool,
     #[command(flatten)]

@@ -10,7 +10,7 @@ use crate::io::comparison::{self, Comparison, Facts, comparison, minimizers, par
 use crate::io::report::Host;
 use crate::io::{atomic, length, process, read};
 use crate::pattern::{Fabric, Pattern};
-use crate::prepositioning::comparison::{Contest, Course, Entry, Perturbation, Spent, run as run_entry};
+use crate::prepositioning::comparison::{Contest, Course, Entry, Line, Perturbation, Spent, run as run_entry};
 use crate::prepositioning::{Observer, Settings};
 use std::io::Write as _;
 use std::path::Path;
@@ -50,11 +50,12 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
     tell(&warnings, asked.solving.progress == Progress::None);
 
     let entries = contest.entries(&settings);
-    let mut courses = Vec::new();
+    let mut courses: Vec<Course> = Vec::new();
     for (number, entry) in entries.iter().enumerate() {
         announce(entry, number, entries.len(), asked.solving.progress);
         let problem = (&pattern.pattern, &fabric, &body.body);
-        let course = race(&contest, entry, problem, started, asked.solving.progress);
+        let settled = courses.first().map(|course| course.settled_energy);
+        let course = race(&contest, (entry, settled), problem, started, asked.solving.progress);
         let course = course.map_err(|e| e.within(format!("the run \"{}\"", run_name(entry))).within(&pattern.place))?;
         conclude(&course, asked.solving.progress);
         courses.push(course);
@@ -81,7 +82,8 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
     // First, so that whatever happens to the pictures they can be drawn again.
     atomic::write(&out.join(FILE), to_json(&made).as_bytes())?;
     show(&made, out)?;
-    let reached = courses.iter().filter(|c| c.entry.schedule).all(|course| course.reached().is_some());
+    let line = Line::of(settings.until)[0];
+    let reached = courses.iter().filter(|c| c.entry.schedule).all(|course| course.reached(line).is_some());
     Ok(match (reached, wants_equilibrium(&settings)) {
         (true, _) => Status::Fine,
         (false, true) => Status::BudgetSpent,
@@ -109,22 +111,23 @@ fn what_to_do(asked: &Compare) -> Result<(Settings, Contest), Failure> {
     let amplitude = length::parse_or_zero(&asked.perturb).map_err(usage("--perturb"))?;
     let perturbation = asked.seed.map(|seed| Perturbation { seed, amplitude });
     perturbation.map_or(Ok(()), |p| p.check()).map_err(usage("--perturb"))?;
-    let contest = Contest { schedules, rivals, cap: asked.cap, whole: asked.whole, perturbation };
-    contest.check().map_err(usage("--cap"))?;
+    let allowance = length::parse_or_zero(&asked.allowance).map_err(usage("--allowance"))?;
+    let contest = Contest { schedules, rivals, cap: asked.cap, whole: asked.whole, allowance, perturbation };
+    contest.check().map_err(usage(if asked.cap == 0 { "--cap" } else { "--allowance" }))?;
     Ok((settings, contest))
 }
 
 /// Makes one run, from the same processor time on as if it were alone.
 fn race(
     contest: &Contest,
-    entry: &Entry,
+    (entry, settled_energy): (&Entry, Option<f64>),
     problem: (&Pattern, &Fabric, &crate::body::Body),
     started: Instant,
     progress: Progress,
 ) -> Result<Course, Error> {
     let mut clock = || Spent { cpu: process::cpu_seconds().unwrap_or(f64::NAN), wall: started.elapsed().as_secs_f64() };
     let mut watcher = Watcher::new(progress);
-    let course = run_entry(contest, entry, problem, &mut clock, &mut watcher as &mut dyn Observer);
+    let course = run_entry(contest, entry, settled_energy, problem, &mut clock, &mut watcher as &mut dyn Observer);
     watcher.finish();
     course
 }
@@ -144,16 +147,23 @@ fn conclude(course: &Course, progress: Progress) {
     if progress != Progress::Auto {
         return;
     }
-    match course.reached() {
-        Some(at) => eprintln!(
-            "finish line reached after {:.0} fine-equivalent evaluations, {:.2} s of processor time",
-            at.fine_equivalent, at.spent.cpu
-        ),
-        None => eprintln!(
-            "finish line not reached in {:.0} fine-equivalent evaluations, {:.2} s of processor time",
-            course.whole_fine_equivalent(),
-            course.total.cpu
-        ),
+    for &line in Line::of(course.entry.settings.until) {
+        let name = match line {
+            Line::Strain => "little strain",
+            Line::Settled => "settled",
+            Line::Equilibrium => "equilibrium",
+        };
+        match course.reached(line) {
+            Some(at) => eprintln!(
+                "{name} after {:.0} fine-equivalent evaluations, {:.2} s of processor time",
+                at.fine_equivalent, at.spent.cpu
+            ),
+            None => eprintln!(
+                "{name}: not reached in {:.0} fine-equivalent evaluations, {:.2} s of processor time",
+                course.whole_fine_equivalent(),
+                course.total.cpu
+            ),
+        }
     }
 }
 

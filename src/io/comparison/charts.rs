@@ -2,11 +2,13 @@
 
 use super::{Comparison, RunPart, RunTimesPart};
 use crate::io::picture::{Rival, RivalChart, RivalPoint, rivals};
+use crate::prepositioning::comparison::Line;
 
 /// Energy over the lowest in which a run ended, as an SVG file.
 pub fn energy(comparison: &Comparison) -> String {
     let lowest = comparison.lowest_energy_j;
-    chart(comparison, "Energy over the lowest that was reached, J", None, |run, times| {
+    let line = comparison.finish_line.settled_energy_j.map(|settled| settled - lowest);
+    chart(comparison, "Energy over the lowest that was reached, J", line, last_line, |run, times| {
         stepwise(run, times, |k| run.curve.energy_j[k] - lowest)
     })
 }
@@ -14,7 +16,7 @@ pub fn energy(comparison: &Comparison) -> String {
 /// The residual, as an SVG file.
 pub fn residual(comparison: &Comparison) -> String {
     let line = comparison.finish_line.residual_weights;
-    chart(comparison, "Residual, particle weights (rms)", line, |run, times| {
+    chart(comparison, "Residual, particle weights (rms)", line, last_line, |run, times| {
         stepwise(run, times, |k| run.curve.residual_weights[k])
     })
 }
@@ -22,7 +24,7 @@ pub fn residual(comparison: &Comparison) -> String {
 /// The largest strain but for a hundredth of the cloth, on the finest level, as an SVG file.
 pub fn strain(comparison: &Comparison) -> String {
     let line = comparison.finish_line.strain_p99.map(|limit| 100.0 * limit);
-    chart(comparison, "Strain of the finest level, 99th percentile, %", line, |run, times| {
+    chart(comparison, "Strain of the finest level, 99th percentile, %", line, first_line, |run, times| {
         let point = |k: usize| RivalPoint {
             evaluations: run.strain.fine_equivalent[k],
             seconds: times.strain.cpu_seconds[k],
@@ -52,10 +54,19 @@ fn stepwise(run: &RunPart, times: &RunTimesPart, y: impl Fn(usize) -> f64) -> Ve
     points
 }
 
+fn first_line(comparison: &Comparison) -> Line {
+    comparison.lines()[0]
+}
+
+fn last_line(comparison: &Comparison) -> Line {
+    comparison.lines()[comparison.lines().len() - 1]
+}
+
 fn chart(
     comparison: &Comparison,
     title: &str,
     line: Option<f64>,
+    marked: impl Fn(&Comparison) -> Line,
     points: impl Fn(&RunPart, &RunTimesPart) -> Vec<RivalPoint>,
 ) -> String {
     let runs = || comparison.runs.iter().zip(&comparison.times.runs);
@@ -65,7 +76,7 @@ fn chart(
         .map(|((run, _), points)| Rival {
             name: &run.name,
             points,
-            finish: run.reached.as_ref().map(|reached| reached.fine_equivalent),
+            finish: run.reached.at(marked(comparison)).map(|reached| reached.fine_equivalent),
         })
         .collect();
     rivals(&RivalChart { title, curves: &curves, line })

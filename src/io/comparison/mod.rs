@@ -17,11 +17,11 @@ use super::settings_toml::{finish_line_word, minimizer_word};
 use super::toml_keys::remedy_for_key;
 use crate::Error;
 use crate::assess::{LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99};
-use crate::prepositioning::comparison::{Contest, Course, Reached, Spent};
+use crate::prepositioning::comparison::{Contest, Course, Line, Reached, Spent};
 use crate::prepositioning::{FinishLine, LevelSummary, Settings};
 
 const FORMAT: &str = "toile comparison";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What a comparison is made of.
 pub struct Facts<'a> {
@@ -45,6 +45,7 @@ pub fn comparison(facts: &Facts) -> Comparison {
     let lowest = facts.courses.iter().map(Course::final_energy).fold(f64::INFINITY, f64::min);
     let hand_off = settings.until == FinishLine::HandOff;
     let names = names(facts.courses);
+    let first = facts.courses.first();
     Comparison {
         format: FORMAT.to_owned(),
         version: VERSION,
@@ -60,16 +61,18 @@ pub fn comparison(facts: &Facts) -> Comparison {
             residual_weights: (!hand_off).then_some(settings.equilibrium_residual),
             strain_p99: hand_off.then_some(LARGEST_STRAIN_P99),
             strain_mean: hand_off.then_some(LARGEST_STRAIN_MEAN),
+            settled_energy_j: first.filter(|_| hand_off).map(|c| c.settled_energy),
+            allowance_m: hand_off.then_some(facts.contest.allowance),
         },
         cap: facts.contest.cap,
         whole: facts.contest.whole,
         perturbation: facts.contest.perturbation.map(|p| PerturbationPart { seed: p.seed, amplitude_m: p.amplitude }),
-        weight_n: facts.courses.first().map_or(f64::NAN, |c| c.weight),
+        weight_n: first.map_or(f64::NAN, |c| c.weight),
         lowest_energy_j: lowest,
-        runs: facts.courses.iter().zip(&names).map(|(course, name)| run_part(course, name, lowest)).collect(),
+        runs: facts.courses.iter().zip(&names).map(|(course, name)| run_part((course, name), first, lowest)).collect(),
         times: TimesPart {
             host: facts.host.clone(),
-            runs: facts.courses.iter().zip(names).map(|(course, name)| times_part(course, name)).collect(),
+            runs: facts.courses.iter().zip(names).map(|(course, name)| times_part(course, name, first)).collect(),
         },
     }
 }
@@ -131,8 +134,19 @@ fn names(courses: &[Course]) -> Vec<String> {
     courses.iter().map(|course| run_name(&course.entry)).collect()
 }
 
-fn run_part(course: &Course, name: &str, lowest: f64) -> RunPart {
+/// What is told of each finish line, of what is known where it was met, and where the first schedule met it.
+fn lines<T>(course: &Course, first: Option<&Course>, told: impl Fn(Reached, Option<Reached>) -> T) -> LinesPart<T> {
+    let until = course.entry.settings.until;
+    let at = |line: Line| {
+        let reached = Line::of(until).contains(&line).then(|| course.reached(line)).flatten()?;
+        Some(told(reached, first.and_then(|first| first.reached(line))))
+    };
+    LinesPart { strain: at(Line::Strain), settled: at(Line::Settled), equilibrium: at(Line::Equilibrium) }
+}
+
+fn run_part((course, name): (&Course, &str), first: Option<&Course>, lowest: f64) -> RunPart {
     let gap = course.final_energy() - lowest;
+    let above = course.final_energy() - first.map_or(f64::NAN, Course::final_energy);
     let failed = course.hand_off.iter().filter(|check| !check.passed);
     let mut curve = CurvePart::default();
     for point in kept(course) {
@@ -143,13 +157,15 @@ fn run_part(course: &Course, name: &str, lowest: f64) -> RunPart {
         curve.residual_weights.push(point.at.residual);
     }
     let mut strain = StrainCurvePart::default();
-    for point in &course.strains {
+    for point in &course.looks {
         strain.evaluations.push(point.evaluations);
         strain.fine_equivalent.push(course.fine_equivalent(course.levels.len() - 1, point.evaluations));
         strain.mean.push(point.strain.mean);
         strain.p99.push(point.strain.p99);
         strain.max.push(point.strain.max);
         strain.within_limits.push(point.is_within_limits());
+        strain.energy_j.push(point.energy);
+        strain.settled.push(point.is_settled(course.settled_energy));
     }
     RunPart {
         name: name.to_owned(),
@@ -163,13 +179,16 @@ fn run_part(course: &Course, name: &str, lowest: f64) -> RunPart {
         },
         levels: course.levels.iter().map(level_part).collect(),
         fine_equivalent: course.whole_fine_equivalent(),
-        reached: course
-            .reached()
-            .map(|Reached { evaluations, fine_equivalent, .. }| ReachedPart { evaluations, fine_equivalent }),
+        reached: lines(course, first, |Reached { evaluations, fine_equivalent, .. }, first| ReachedPart {
+            evaluations,
+            fine_equivalent,
+            ratio: first.map(|first| fine_equivalent / first.fine_equivalent),
+        }),
         end: EndPart {
             energy_j: course.final_energy(),
             energy_gap_j: gap,
             energy_gap_height_m: gap / course.weight,
+            above_schedule_m: above / course.weight,
             residual_weights: course.finest().residual.rms,
             strain_mean: course.strain.mean,
             strain_p99: course.strain.p99,
@@ -191,7 +210,7 @@ fn level_part(level: &LevelSummary) -> LevelPart {
     }
 }
 
-fn times_part(course: &Course, name: String) -> RunTimesPart {
+fn times_part(course: &Course, name: String, first: Option<&Course>) -> RunTimesPart {
     let part = |spent: Spent| SpentPart { cpu_seconds: spent.cpu, wall_seconds: spent.wall };
     let columns = |spent: Vec<Spent>| SpentColumns {
         cpu_seconds: spent.iter().map(|s| s.cpu).collect(),
@@ -201,10 +220,13 @@ fn times_part(course: &Course, name: String) -> RunTimesPart {
         name,
         set_up: part(course.set_up),
         sewn: part(course.sewing.spent),
-        reached: course.reached().map(|reached| part(reached.spent)),
+        reached: lines(course, first, |reached, first| ReachedTimesPart {
+            spent: part(reached.spent),
+            cpu_ratio: first.map(|first| reached.spent.cpu / first.spent.cpu),
+        }),
         total: part(course.total),
         curve: columns(kept(course).map(|point| point.spent).collect()),
-        strain: columns(course.strains.iter().map(|point| point.spent).collect()),
+        strain: columns(course.looks.iter().map(|point| point.spent).collect()),
     }
 }
 
@@ -238,6 +260,8 @@ pub mod tests {
             curvatures: evaluations - 1,
             termination: "budget".to_owned(),
         };
+        let reached =
+            |evaluations, fine_equivalent, ratio| ReachedPart { evaluations, fine_equivalent, ratio: Some(ratio) };
         let run = |schedule: bool| {
             let count = if schedule { 3 } else { 4 };
             RunPart {
@@ -251,16 +275,22 @@ pub mod tests {
                     vec![level(0.01, 400, 500)]
                 },
                 fine_equivalent: if schedule { 390.0 } else { 1500.0 },
-                reached: schedule.then_some(ReachedPart { evaluations: 40, fine_equivalent: 390.0 }),
+                // The rival has little strain soon, but hangs too high.
+                reached: LinesPart {
+                    strain: Some(if schedule { reached(40, 390.0, 1.0) } else { reached(20, 1020.0, 2.6154) }),
+                    settled: schedule.then(|| reached(40, 390.0, 1.0)),
+                    equilibrium: None,
+                },
                 end: EndPart {
                     energy_j: -1.0,
                     energy_gap_j: if schedule { 0.0 } else { 2.5e-3 },
                     energy_gap_height_m: if schedule { 0.0 } else { 1e-3 },
+                    above_schedule_m: if schedule { 0.0 } else { 1e-3 },
                     residual_weights: f64::NAN,
                     strain_mean: 0.004,
                     strain_p99: 0.03,
                     strain_max: 0.06,
-                    failed_checks: if schedule { Vec::new() } else { vec!["strain_p99".to_owned()] },
+                    failed_checks: if schedule { Vec::new() } else { vec!["particles_inside".to_owned()] },
                 },
                 curve: CurvePart {
                     level: (0..count).map(|k| usize::from(schedule && k > 0)).collect(),
@@ -272,14 +302,16 @@ pub mod tests {
                 strain: StrainCurvePart {
                     evaluations: vec![20, 40],
                     fine_equivalent: vec![370.0, 390.0],
-                    mean: vec![0.02, 0.004],
-                    p99: vec![0.08, 0.03],
+                    mean: vec![if schedule { 0.02 } else { 0.005 }, 0.004],
+                    p99: vec![if schedule { 0.08 } else { 0.04 }, 0.03],
                     max: vec![0.2, 0.06],
-                    within_limits: vec![false, schedule],
+                    within_limits: vec![!schedule, true],
+                    energy_j: vec![-0.9, if schedule { -1.0 } else { f64::NAN }],
+                    settled: vec![false, schedule],
                 },
             }
         };
-        let times = |name: &str, points: usize, reached: bool| {
+        let times = |name: &str, points: usize, strain: f64, settled: Option<f64>| {
             let at = |s: f64| SpentPart { cpu_seconds: s, wall_seconds: 0.6 * s };
             let columns = |count: usize| SpentColumns {
                 cpu_seconds: (0..count).map(|k| 1.0 + k as f64).collect(),
@@ -289,7 +321,11 @@ pub mod tests {
                 name: name.to_owned(),
                 set_up: at(0.1),
                 sewn: at(0.5),
-                reached: reached.then_some(at(3.0)),
+                reached: LinesPart {
+                    strain: Some(ReachedTimesPart { spent: at(strain), cpu_ratio: Some(strain / 3.0) }),
+                    settled: settled.map(|s| ReachedTimesPart { spent: at(s), cpu_ratio: Some(s / 3.0) }),
+                    equilibrium: None,
+                },
                 total: at(5.0),
                 curve: columns(points),
                 strain: columns(2),
@@ -310,6 +346,8 @@ pub mod tests {
                 residual_weights: None,
                 strain_p99: Some(0.05),
                 strain_mean: Some(0.01),
+                settled_energy_j: Some(-0.99875),
+                allowance_m: Some(5e-4),
             },
             cap: 500,
             whole: false,
@@ -319,7 +357,10 @@ pub mod tests {
             runs: vec![run(true), run(false)],
             times: TimesPart {
                 host: Host { threads: 2, ..Host::default() },
-                runs: vec![times("multi-resolution, lbfgs", 3, true), times("single resolution, lbfgs", 4, false)],
+                runs: vec![
+                    times("multi-resolution, lbfgs", 3, 3.0, Some(3.0)),
+                    times("single resolution, lbfgs", 4, 4.5, None),
+                ],
             },
         }
     }
@@ -339,7 +380,7 @@ pub mod tests {
             (String::new(), "EOF"),
             ("[]".to_owned(), "comparison"),
             (text.replacen("toile comparison", "toile report", 1), "toile report"),
-            (text.replacen("\"version\": 1", "\"version\": 7", 1), "version 7"),
+            (text.replacen("\"version\": 2", "\"version\": 7", 1), "version 7"),
             (text.replacen("\"within_limits\": [", "\"within_limits\": [true, ", 1), "lengths"),
             (text.replacen("\"level\": [\n", "\"level\": [99, \n", 1), "lengths"),
         ];

@@ -1,6 +1,8 @@
 //! The fields of `comparison.json`.
 
 use crate::io::report::Host;
+use crate::prepositioning::FinishLine;
+use crate::prepositioning::comparison::Line;
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// The comparison, field by field as in the file.
@@ -41,13 +43,17 @@ pub struct InputPart {
     pub sha256: String,
 }
 
-/// Where a run is done: limits of the strain for the hand-off, of the residual for the equilibrium.
+/// Where a run is done: limits of strain and energy for the hand-off, of the residual for the equilibrium.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FinishPart {
     pub until: String,
     pub residual_weights: Option<f64>,
     pub strain_p99: Option<f64>,
     pub strain_mean: Option<f64>,
+    /// The most with which a run is settled: that in which the first schedule's cloth slid last, and the allowance.
+    pub settled_energy_j: Option<f64>,
+    /// Over the schedule's energy, as a mean height of the garment.
+    pub allowance_m: Option<f64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -67,7 +73,7 @@ pub struct RunPart {
     /// Evaluations of the whole run, in those of its finest level.
     #[serde(deserialize_with = "number")]
     pub fine_equivalent: f64,
-    pub reached: Option<ReachedPart>,
+    pub reached: LinesPart<ReachedPart>,
     pub end: EndPart,
     pub curve: CurvePart,
     pub strain: StrainCurvePart,
@@ -91,13 +97,33 @@ pub struct LevelPart {
     pub termination: String,
 }
 
-/// Where the finish line was met.
+/// Something for each finish line that was met.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct LinesPart<T> {
+    pub strain: Option<T>,
+    pub settled: Option<T>,
+    pub equilibrium: Option<T>,
+}
+
+impl<T> LinesPart<T> {
+    pub fn at(&self, line: Line) -> Option<&T> {
+        match line {
+            Line::Strain => self.strain.as_ref(),
+            Line::Settled => self.settled.as_ref(),
+            Line::Equilibrium => self.equilibrium.as_ref(),
+        }
+    }
+}
+
+/// Where a finish line was met.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ReachedPart {
     /// On the finest level.
     pub evaluations: usize,
     /// Of all levels and of sewing.
     pub fine_equivalent: f64,
+    /// To that of the first schedule, if it met the line.
+    pub ratio: Option<f64>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -110,6 +136,9 @@ pub struct EndPart {
     /// The same as a height by which the garment hangs above where it could.
     #[serde(deserialize_with = "number")]
     pub energy_gap_height_m: f64,
+    /// The same over the first schedule; negative below it.
+    #[serde(deserialize_with = "number")]
+    pub above_schedule_m: f64,
     #[serde(deserialize_with = "number")]
     pub residual_weights: f64,
     #[serde(deserialize_with = "number")]
@@ -149,6 +178,10 @@ pub struct StrainCurvePart {
     #[serde(deserialize_with = "numbers")]
     pub max: Vec<f64>,
     pub within_limits: Vec<bool>,
+    /// While the cloth slides.
+    #[serde(deserialize_with = "numbers")]
+    pub energy_j: Vec<f64>,
+    pub settled: Vec<bool>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -164,10 +197,19 @@ pub struct RunTimesPart {
     pub name: String,
     pub set_up: SpentPart,
     pub sewn: SpentPart,
-    pub reached: Option<SpentPart>,
+    pub reached: LinesPart<ReachedTimesPart>,
     pub total: SpentPart,
     pub curve: SpentColumns,
     pub strain: SpentColumns,
+}
+
+/// When a finish line was met.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ReachedTimesPart {
+    #[serde(flatten)]
+    pub spent: SpentPart,
+    /// Of processor seconds to those of the first schedule, if it met the line.
+    pub cpu_ratio: Option<f64>,
 }
 
 /// Since the run began, less what measuring took.
@@ -188,6 +230,15 @@ pub struct SpentColumns {
 }
 
 impl Comparison {
+    /// The finish lines that were to be met.
+    pub fn lines(&self) -> &'static [Line] {
+        Line::of(if self.finish_line.residual_weights.is_some() {
+            FinishLine::Equilibrium
+        } else {
+            FinishLine::HandOff
+        })
+    }
+
     /// Do the parts belong together? Says what does not.
     pub fn check(&self) -> Result<(), String> {
         if self.runs.len() != self.times.runs.len() {
@@ -211,6 +262,8 @@ impl Comparison {
                 strain.p99.len(),
                 strain.max.len(),
                 strain.within_limits.len(),
+                strain.energy_j.len(),
+                strain.settled.len(),
                 times.strain.cpu_seconds.len(),
                 times.strain.wall_seconds.len(),
             ];

@@ -5,15 +5,18 @@
 //! for a rival on the finest. All count from flat panels; an evaluation counts by the particles of
 //! its level. What is measured on the way (strain, the clock itself) is not charged to the run.
 //!
-//! The finish line of [`FinishLine::HandOff`] is the first state, looked at every forty evaluations of the
-//! finest level, whose strain is within the limits of the hand-off; then the end of the level sees to the
-//! rest, and is judged too. That of [`FinishLine::Equilibrium`] is what ends such a run by itself.
+//! On the way to the hand-off there are two finish lines, each met by the first state of the finest level, looked at
+//! every forty evaluations, that is beyond it. [`Line::Strain`] asks for strain within the limits of the hand-off
+//! alone. A single level meets it when its seams have just closed and nothing hangs yet as it will, so that
+//! [`Line::Settled`] asks for the energy besides in which the first schedule ends, but for an allowance. The schedule
+//! itself runs as if nobody watched, a rival until it is settled or the cap is reached; the end of the level then
+//! sees to the rest, and is judged too. The finish line of the equilibrium is what ends such a run by itself.
 
 mod perturbation;
 mod recorder;
 
 pub use perturbation::{LARGEST_AMPLITUDE, Perturbation};
-pub use recorder::{Point, Sewing, StrainPoint};
+pub use recorder::{Look, Point, Sewing};
 
 use super::{FinishLine, LevelSummary, Observer, Outcome, Settings, preposition_from};
 use crate::Error;
@@ -22,7 +25,7 @@ use crate::body::Body;
 use crate::energy::GRAVITY;
 use crate::minimize::{Method, Termination};
 use crate::pattern::{Fabric, Pattern};
-use recorder::{Recorder, fine_equivalent};
+use recorder::{Ending, Recorder, fine_equivalent};
 
 /// Processor seconds of all threads, and seconds of the clock on the wall. NaN where the system does not tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,12 +51,42 @@ pub struct Contest {
     pub schedules: Vec<Method>,
     /// Minimizers that have the finest level alone.
     pub rivals: Vec<Method>,
-    /// Evaluations on the finest level after which a run is given up.
+    /// Evaluations on the finest level after which a rival is given up, and a schedule on its way to equilibrium.
     pub cap: usize,
-    /// Does a run go on to the cap after the finish line of the hand-off, for whole curves?
+    /// Does a rival go on to the cap after it has settled, for whole curves?
     pub whole: bool,
+    /// How much higher than the schedule leaves it a settled garment may hang on average, m: see [`Line::Settled`].
+    pub allowance: f64,
     pub perturbation: Option<Perturbation>,
 }
+
+/// [`Contest::allowance`] unless another is asked for, m: less than the thickness of cloth shows.
+pub const DEFAULT_ALLOWANCE: f64 = 5e-4;
+
+/// Where a run is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// The strain is within the limits of the hand-off.
+    Strain,
+    /// That, and the energy of the sliding cloth, contact included, is at most that in which the first schedule's
+    /// cloth slid last, with an allowance for minima that differ: [`Contest::allowance`] times the weight.
+    Settled,
+    /// The forces are in balance.
+    Equilibrium,
+}
+
+impl Line {
+    /// Those on the way to a finish line.
+    pub fn of(until: FinishLine) -> &'static [Line] {
+        match until {
+            FinishLine::HandOff => &[Line::Strain, Line::Settled],
+            FinishLine::Equilibrium => &[Line::Equilibrium],
+        }
+    }
+}
+
+/// Share of [`Settings::finest_evaluations`] in which the cloth slides: `SLIDING` of `relaxing.rs`.
+const SLIDING: f64 = 0.75;
 
 /// One run to be made.
 #[derive(Clone, Debug)]
@@ -68,6 +101,12 @@ impl Contest {
         if self.cap == 0 {
             return Err(Error::new("With no evaluation nothing moves.", "Give a cap from 1, such as 20000."));
         }
+        if !(0.0..=LARGEST_ALLOWANCE).contains(&self.allowance) {
+            return Err(Error::new(
+                format!("With an allowance of {} mm nothing is told apart.", self.allowance * 1e3),
+                format!("Give one from 0 mm to {} mm.", LARGEST_ALLOWANCE * 1e3),
+            ));
+        }
         self.perturbation.map_or(Ok(()), |perturbation| perturbation.check())
     }
 
@@ -75,12 +114,12 @@ impl Contest {
     pub fn entries(&self, settings: &Settings) -> Vec<Entry> {
         let entry = |&minimizer: &Method, schedule: bool| {
             let mut settings = Settings { minimizer, equilibrium_evaluations: self.cap, ..settings.clone() };
-            if settings.until == FinishLine::HandOff {
-                // The sliding that comes before friction takes its share of this: whoever is granted more
-                // evaluations may slide longer. On the way to the equilibrium it stays what it is.
-                settings.finest_evaluations = self.cap;
-            }
             if !schedule {
+                if settings.until == FinishLine::HandOff {
+                    // Of these the first three quarters are spent sliding: all until the cap, so that energies
+                    // can be compared. On the way to the equilibrium they stay what they are.
+                    settings.finest_evaluations = self.cap.saturating_mul(2);
+                }
                 settings.resolutions.drain(..settings.resolutions.len() - 1);
             }
             Entry { schedule, settings }
@@ -90,6 +129,9 @@ impl Contest {
     }
 }
 
+/// Above this, m, a garment whose seams have just closed is settled.
+const LARGEST_ALLOWANCE: f64 = 0.1;
+
 /// What a run did.
 pub struct Course {
     pub entry: Entry,
@@ -97,12 +139,14 @@ pub struct Course {
     /// Coarsest first.
     pub levels: Vec<LevelSummary>,
     pub points: Vec<Point>,
-    pub strains: Vec<StrainPoint>,
+    pub looks: Vec<Look>,
     /// From flat panels to where the seams begin to close: meshes, distances, arrangement.
     pub set_up: Spent,
     pub total: Spent,
     /// Of the whole garment, N.
     pub weight: f64,
+    /// The most with which it is settled, J; NaN without a schedule to tell.
+    pub settled_energy: f64,
     /// Where the run ended, less gathers.
     pub strain: Strain,
     pub hand_off: Vec<Check>,
@@ -118,38 +162,68 @@ pub struct Reached {
     pub spent: Spent,
 }
 
-/// Makes one run. `clock` tells what this process has spent so far.
+/// Makes one run. `settled_energy`, J, is that of the first schedule, none for that schedule itself. `clock` tells
+/// what this process has spent so far.
 pub fn run(
     contest: &Contest,
     entry: &Entry,
+    settled_energy: Option<f64>,
     (pattern, fabric, body): (&Pattern, &Fabric, &Body),
     clock: &mut (dyn FnMut() -> Spent + Send),
     watcher: &mut dyn Observer,
 ) -> Result<Course, Error> {
     contest.check()?;
-    let stop_at_limits = entry.settings.until == FinishLine::HandOff && !contest.whole;
-    let mut recorder = Recorder::new(pattern, stop_at_limits, clock, watcher);
+    let ending = match (entry.settings.until, contest.whole) {
+        _ if entry.schedule => Ending::Own,
+        (FinishLine::Equilibrium, _) => Ending::Own,
+        (FinishLine::HandOff, true) => Ending::Cap(contest.cap),
+        (FinishLine::HandOff, false) => {
+            Ending::Settled { energy: settled_energy.unwrap_or(f64::NAN), cap: contest.cap }
+        }
+    };
+    let settings = if ending == Ending::Own { entry.settings.clone() } else { endless(&entry.settings) };
+    let mut recorder = Recorder::new(pattern, ending, &settings, clock, watcher);
     let disturb = |positions: &mut [_]| {
         if let Some(perturbation) = &contest.perturbation {
             perturbation.disturb(positions);
         }
     };
-    let outcome: Outcome = preposition_from(pattern, fabric, body, &entry.settings, &disturb, &mut recorder)?;
+    let outcome: Outcome = preposition_from(pattern, fabric, body, &settings, &disturb, &mut recorder)?;
     let total = recorder.total();
-    let Recorder { set_up, sewing, points, strains, .. } = recorder;
+    let Recorder { set_up, sewing, points, looks, .. } = recorder;
     let area: f64 = outcome.finest().particle_areas().iter().sum();
+    let weight = area * fabric.areal_density * GRAVITY;
+    let own = || slid_last(&looks) + contest.allowance * weight;
     Ok(Course {
+        settled_energy: settled_energy.unwrap_or_else(own),
         entry: entry.clone(),
         sewing,
         points,
-        strains,
+        looks,
         set_up,
         total,
-        weight: area * fabric.areal_density * GRAVITY,
+        weight,
         strain: outcome.assessment.strain_less_gathers,
         hand_off: hand_off(&outcome.assessment),
         levels: outcome.levels,
     })
+}
+
+/// Settings with which a run on the way to the hand-off is ended by whoever watches it, and not because it sinks but
+/// slowly: that is what an equilibrium which is never reached does.
+fn endless(settings: &Settings) -> Settings {
+    let minimizer = match settings.minimizer {
+        // The same, up to the hand-off.
+        Method::Newton => Method::ConjugateGradient,
+        other => other,
+    };
+    let never = f64::MIN_POSITIVE;
+    Settings { minimizer, until: FinishLine::Equilibrium, equilibrium_residual: never, ..settings.clone() }
+}
+
+/// The energy in which cloth slid last, J.
+fn slid_last(looks: &[Look]) -> f64 {
+    looks.iter().rev().map(|look| look.energy).find(|energy| !energy.is_nan()).unwrap_or(f64::NAN)
 }
 
 impl Course {
@@ -168,25 +242,30 @@ impl Course {
         self.fine_equivalent(self.levels.len() - 1, self.finest().evaluations)
     }
 
-    /// Where the run met its finish line, if it did.
-    pub fn reached(&self) -> Option<Reached> {
-        let finest = self.levels.len() - 1;
-        let (evaluations, spent) = match self.entry.settings.until {
-            FinishLine::HandOff => {
-                let first = self.strains.iter().find(|point| point.is_within_limits())?;
-                (first.evaluations, first.spent)
-            }
-            FinishLine::Equilibrium => {
+    /// Where the run met a finish line, if it did.
+    pub fn reached(&self, line: Line) -> Option<Reached> {
+        let first = |met: &dyn Fn(&Look) -> bool| {
+            self.looks.iter().find(|look| met(look)).map(|look| (look.evaluations, look.spent))
+        };
+        let (evaluations, spent) = match line {
+            Line::Strain => first(&Look::is_within_limits)?,
+            Line::Settled => first(&|look| look.is_settled(self.settled_energy))?,
+            Line::Equilibrium => {
                 let done = self.finest().termination == Termination::Converged;
                 done.then(|| (self.finest().evaluations, self.total))?
             }
         };
+        let finest = self.levels.len() - 1;
         Some(Reached { evaluations, fine_equivalent: self.fine_equivalent(finest, evaluations), spent })
     }
 
-    /// The last energy of the finest level, J, contact included.
+    /// The energy in which the run ended, J, contact included: on the way to the hand-off that in which its cloth
+    /// slid last.
     pub fn final_energy(&self) -> f64 {
-        self.points.last().map_or(f64::NAN, |point| point.at.energy)
+        match self.entry.settings.until {
+            FinishLine::HandOff => slid_last(&self.looks),
+            FinishLine::Equilibrium => self.points.last().map_or(f64::NAN, |point| point.at.energy),
+        }
     }
 }
 
@@ -200,6 +279,7 @@ mod tests {
             rivals: vec![Method::Lbfgs, Method::DynamicRelaxation],
             cap: 500,
             whole: false,
+            allowance: DEFAULT_ALLOWANCE,
             perturbation: None,
         }
     }
@@ -220,9 +300,37 @@ mod tests {
                 ..entry.settings.clone()
             };
             assert_eq!(format!("{back:?}"), format!("{settings:?}"));
-            assert_eq!((entry.settings.finest_evaluations, entry.settings.equilibrium_evaluations), (500, 500));
+            // The schedule runs as it would for itself; whoever is alone may slide until the cap.
+            let granted = if entry.schedule { settings.finest_evaluations } else { 1000 };
+            assert_eq!((entry.settings.finest_evaluations, entry.settings.equilibrium_evaluations), (granted, 500));
         }
+        let settings = Settings { until: FinishLine::Equilibrium, ..settings };
+        let granted = |entry: &Entry| entry.settings.finest_evaluations == settings.finest_evaluations;
+        assert!(contest().entries(&settings).iter().all(granted));
+        assert!(Contest { allowance: f64::NAN, ..contest() }.check().is_err());
         assert!(Contest { cap: 0, ..contest() }.check().is_err());
+    }
+
+    #[test]
+    fn cloth_slides_as_long_as_relaxing_says() {
+        let relaxing = include_str!("../relaxing.rs");
+        assert!(relaxing.contains(&format!("const SLIDING: f64 = {SLIDING};")));
+    }
+
+    /// A look at a moment, within the limits of the strain or not.
+    fn look(evaluations: usize, energy: f64, within: bool) -> Look {
+        let strain = Strain { p99: if within { 0.01 } else { 0.2 }, ..Strain::default() };
+        Look { evaluations, strain, energy, spent: Spent::default() }
+    }
+
+    #[test]
+    fn settled_is_who_is_low_and_within_the_limits_while_it_slides() {
+        assert!(look(40, -1.0, true).is_settled(-1.0));
+        assert!(!look(40, -0.9, true).is_settled(-1.0));
+        assert!(!look(40, -1.0, false).is_settled(-1.0));
+        assert!(!look(40, f64::NAN, true).is_settled(-1.0) && !look(40, -1.0, true).is_settled(f64::NAN));
+        assert_eq!(slid_last(&[look(40, -1.0, true), look(80, -2.0, true), look(120, f64::NAN, true)]), -2.0);
+        assert!(slid_last(&[]).is_nan());
     }
 
     #[test]
