@@ -2,7 +2,8 @@
 
 For each finish line, and for evaluations and processor seconds: a rival's cost over that of the schedule, the first run of
 each comparison. Where a rival did not reach the line its cost is at least what it spent, and the ratio is marked with ">".
-A garment whose schedule did not reach it has no ratios and no part in the means.
+A run that could not go on to the cap, for instance because its seams never closed, "failed": it has no part in the means,
+which are then marked too. A garment whose schedule did not reach the line has no ratios and no part in the means.
 """
 
 import json
@@ -13,12 +14,13 @@ import sys
 LINES = {"strain": "to little strain", "settled": "until settled", "equilibrium": "to equilibrium"}
 
 
-def cost(run, times, line):
-    """Fine-equivalent evaluations, processor seconds, and whether the line was reached."""
+def cost(run, times, line, cap):
+    """Fine-equivalent evaluations, processor seconds, whether the line was reached, and whether it never can be."""
     reached = run["reached"][line]
     evaluations = (reached or run)["fine_equivalent"]
     seconds = (times["reached"][line] or times["total"])["cpu_seconds"]
-    return evaluations, seconds, reached is not None
+    failed = reached is None and run["levels"][-1]["evaluations"] < cap
+    return evaluations, seconds, reached is not None, failed
 
 
 def mean(ratios):
@@ -26,7 +28,7 @@ def mean(ratios):
 
 
 def told(ratio, exact):
-    return f"{'' if exact else '> '}{ratio:.1f}"
+    return "failed" if ratio is None else f"{'' if exact else '> '}{ratio:.1f}"
 
 
 def table(garments, rivals, unit):
@@ -35,9 +37,9 @@ def table(garments, rivals, unit):
     print("|---" * (len(rivals) + 3) + "|")
     columns = {rival: [] for rival in [*rivals, "best"]}
     for name, schedule, runs in garments:
-        ratios = {rival: (runs[rival][unit] / schedule[unit], runs[rival][2]) for rival in rivals}
+        ratios = {r: (None if runs[r][3] else runs[r][unit] / schedule[unit], runs[r][2]) for r in rivals}
         # Of those that reached the line; if none did, the least that is known of any.
-        ratios["best"] = min(ratios.values(), key=lambda r: (not r[1], r[0]))
+        ratios["best"] = min(ratios.values(), key=lambda r: (not r[1], r[0] is None, r[0]))
         own = f"{schedule[unit]:.{2 * unit}f}"
         if not schedule[2]:
             print(f"| {name} | {own}, not reached |" + " – |" * (len(rivals) + 1))
@@ -46,7 +48,8 @@ def table(garments, rivals, unit):
             columns[rival].append(ratio)
         print(f"| {name} | {own} | " + " | ".join(told(*ratios[r]) for r in [*rivals, "best"]) + " |")
     if columns["best"]:
-        means = {r: (mean([x for x, _ in c]), all(e for _, e in c)) for r, c in columns.items()}
+        known = {r: [x for x, _ in c if x is not None] for r, c in columns.items()}
+        means = {r: (mean(known[r]) if known[r] else None, all(e for _, e in c)) for r, c in columns.items()}
         print("| geometric mean | | " + " | ".join(told(*means[r]) for r in [*rivals, "best"]) + " |")
 
 
@@ -60,7 +63,7 @@ def main(out, names):
     for line in ["equilibrium"] if until == "equilibrium" else ["strain", "settled"]:
         garments = []
         for name, made in read.items():
-            runs = {run["name"]: cost(run, times, line) for run, times in zip(made["runs"], made["times"]["runs"])}
+            runs = {run["name"]: cost(run, times, line, made["cap"]) for run, times in zip(made["runs"], made["times"]["runs"])}
             garments.append((name, next(iter(runs.values())), runs))
         for unit, title in enumerate(["Fine-equivalent evaluations", "Processor seconds"]):
             print(f"\n### {title} {LINES[line]}, over those of the schedule\n")

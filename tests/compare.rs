@@ -198,7 +198,7 @@ fn slips_are_told_with_the_right_form_and_write_nothing() {
     let bench = bench();
     let cases: [(&[&str], &str); 9] = [
         (&["--rivals", "lbgfs"], "Did you mean `lbfgs`?"),
-        (&["--rivals", "newton-raphson"], "conjugate-gradient"),
+        (&["--rivals", "simplex"], "conjugate-gradient"),
         (&["--minimizer", "none"], "--minimizer"),
         (&["--cap", "0"], "--cap"),
         (&["--residual", "-1"], "--residual"),
