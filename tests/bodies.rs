@@ -52,7 +52,8 @@ fn distance_fields_agree_with_exact_distances() {
             errors.len()
         );
         assert!(median < 2e-4, "{name}: median {median} m");
-        assert!(p99 < 2.5e-3, "{name}: p99 {p99} m");
+        // More than a cell under the skin, where it only has to lead out, the field is coarse.
+        assert!(p99 < 3e-3, "{name}: p99 {p99} m");
         assert!(wrong_sides * 500 <= errors.len(), "{name}: {wrong_sides} of {} are on the wrong side", errors.len());
     }
 }
