@@ -23,7 +23,7 @@ const NEWTON_RUN_LENGTH: usize = 20;
 /// the prolongation to the next level brings.
 const COARSE_RESIDUAL: f64 = 0.3;
 /// It is done too when a run lowers the energy by less than the garment's sinking by this height, m.
-const COARSE_SINKING: f64 = 5e-5;
+const COARSE_SINKING: f64 = 1e-4;
 /// The same on the finest level, where a run is dear and friction is to have the last word, m.
 const SETTLED_SINKING: f64 = 1e-3;
 /// Share of the hand-off's limits at which the strain is clearly within them: clearing the body adds a little.
