@@ -5,7 +5,8 @@
 #   benches/performance.sh DATA quick    one round, nothing finer than 2.5 mm, few evaluations to equilibrium:
 #                                        shows in a few minutes that all works, and is no measurement
 #
-# EQUILIBRIUM_EVALUATIONS may say how many evaluations a run to equilibrium is granted.
+# EQUILIBRIUM_EVALUATIONS may say how many evaluations a run to equilibrium is granted, EQUILIBRIA which are made
+# ("10:1e-3 5:0.1": resolution in mm, residual in weights). Each is made once.
 #
 # DATA has patterns/garmentcode and bodies. Measures and reports stay in target/performance, from which
 # benches/performance.py, which needs Python 3 and no packages, writes the page.
@@ -65,13 +66,11 @@ most=${EQUILIBRIUM_EVALUATIONS:-$([ "$mode" = full ] && echo 20000 || echo 500)}
 equilibrium() { # NAME MM RESIDUAL
     printf 'equilibrium_residual = %s\n' "$3" > "$work/$1.toml"
     printf 'equilibrium_evaluations = %s\n' "$most" >> "$work/$1.toml"
-    fit "$1" dress "$2" "$few" --until equilibrium --settings "$work/$1.toml"
+    fit "$1" dress "$2" 1 --until equilibrium --settings "$work/$1.toml"
 }
-equilibrium equilibrium-10-1e-3 10 1e-3
-if [ "$mode" = full ]; then
-    equilibrium equilibrium-5-0.1 5 0.1
-    equilibrium equilibrium-5-1e-3 5 1e-3
-fi
+for run in ${EQUILIBRIA-$([ "$mode" = full ] && echo 10:1e-3 5:0.1 5:1e-3 || echo 10:1e-3)}; do
+    equilibrium "equilibrium-${run/:/-}" "${run%:*}" "${run#*:}"
+done
 
 commit=$(git rev-parse --short HEAD)
 [ -z "$(git status --porcelain -- src data Cargo.toml Cargo.lock)" ] || commit="$commit, with changes"
