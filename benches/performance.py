@@ -266,7 +266,7 @@ def main():
     runs = {folder.name: Run(folder) for folder in (work / "runs").iterdir()}
     kernel = criterion(work)
     quick = facts["mode"] == "quick"
-    command = "benches/performance.sh DATA" + (" quick" if quick else "")
+    command = facts.get("options", "") + "benches/performance.sh DATA" + (" quick" if quick else "")
     caution = ("\n**This page is from a quick run, one round on a machine that had other work to do: it shows that the "
                "command works, and is no measurement. What is \"not run\" or \"not measured\" was left out.**\n") if quick else ""
     head = f"""# Performance

@@ -76,6 +76,7 @@ commit=$(git rev-parse --short HEAD)
 [ -z "$(git status --porcelain -- src data Cargo.toml Cargo.lock)" ] || commit="$commit, with changes"
 cat > "$work/facts" <<FACTS
 mode=$mode
+options=${EQUILIBRIA+EQUILIBRIA="$EQUILIBRIA" }${EQUILIBRIUM_EVALUATIONS+EQUILIBRIUM_EVALUATIONS=$EQUILIBRIUM_EVALUATIONS }
 commit=$commit
 cpu=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1)
 processors=$(nproc)
