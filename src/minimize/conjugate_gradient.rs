@@ -6,6 +6,7 @@
 //! taken back and halved, so accepted steps never raise it. Moves are capped point by point; a
 //! capped step has left the direction, and the next one starts afresh.
 
+use super::vectors::add;
 use super::{CHUNK, Iterate, LEAST_CHUNKS, Problem, Termination};
 use crate::geometry::Vector3;
 use rayon::prelude::*;
@@ -164,15 +165,6 @@ fn steepest(gradient: &[Vector3], diagonal: &[f64], direction: &mut [Vector3]) -
     Along { gz, slope: -gz }
 }
 
-fn add(points: &[Vector3], moves: &[Vector3], sum: &mut [Vector3]) {
-    let chunks = sum.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).zip(moves.par_chunks(CHUNK));
-    chunks.with_min_len(LEAST_CHUNKS).for_each(|((sum, p), m)| {
-        for ((sum, p), m) in sum.iter_mut().zip(p).zip(m) {
-            *sum = p + m;
-        }
-    });
-}
-
 /// `moves = step * direction`, none longer than `largest`, and `trial = points + moves`; tells whether
 /// any was longer.
 fn move_on(
@@ -203,62 +195,9 @@ fn move_on(
 
 #[cfg(test)]
 mod tests {
+    use super::super::chain::{Chain, settings};
     use super::*;
     use proptest::prelude::*;
-
-    /// A chain of springs of very different stiffness between neighbours and to places of their own.
-    struct Chain {
-        stiffness: Vec<f64>,
-        diagonal: Vec<f64>,
-        bend: f64,
-    }
-
-    impl Chain {
-        /// With `bend` the function is not quadratic, and not convex either.
-        fn new(count: usize, bend: f64) -> Self {
-            let stiffness: Vec<f64> = (0..count).map(|k| 10f64.powf(2.0 * (k as f64 * 1.3).sin())).collect();
-            Self { diagonal: stiffness.iter().map(|k| k + 2.0).collect(), stiffness, bend }
-        }
-
-        fn place(k: usize) -> Vector3 {
-            Vector3::new((k as f64).sin(), (k as f64 * 0.7).cos(), 0.1 * k as f64)
-        }
-    }
-
-    impl Problem for Chain {
-        fn evaluate(&mut self, points: &[Vector3], gradient: &mut [Vector3]) -> f64 {
-            let mut value = 0.0;
-            for (k, p) in points.iter().enumerate() {
-                let away = p - Self::place(k);
-                value += 0.5 * self.stiffness[k] * away.norm_squared() + self.bend * (3.0 * p.x).cos();
-                gradient[k] = away * self.stiffness[k] - Vector3::x() * (3.0 * self.bend * (3.0 * p.x).sin());
-            }
-            for k in 1..points.len() {
-                let span = points[k] - points[k - 1];
-                value += 0.5 * span.norm_squared();
-                gradient[k] += span;
-                gradient[k - 1] -= span;
-            }
-            value
-        }
-
-        fn curvature(&mut self, points: &[Vector3], direction: &[Vector3]) -> f64 {
-            let own = |k: usize| {
-                let bent = 9.0 * self.bend * (3.0 * points[k].x).cos() * direction[k].x.powi(2);
-                self.stiffness[k] * direction[k].norm_squared() - bent
-            };
-            let between: f64 = direction.windows(2).map(|w| (w[1] - w[0]).norm_squared()).sum();
-            (0..points.len()).map(own).sum::<f64>() + between
-        }
-
-        fn diagonal(&self) -> &[f64] {
-            &self.diagonal
-        }
-    }
-
-    fn settings(evaluations: usize, largest_move: f64) -> Settings {
-        Settings { evaluations, largest_move, restart_after: 100 }
-    }
 
     #[test]
     fn a_quadratic_is_minimized_as_far_as_rounding_of_its_value_allows() {
