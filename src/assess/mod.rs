@@ -66,13 +66,16 @@ pub const CLEARANCE_TOLERANCE: f64 = 1e-4;
 /// Measures the state `positions` of a level; `clearance` is what was asked for, m.
 pub fn assess(pattern: &Pattern, level: &Level, positions: &[Vector3], body: &Body, clearance: f64) -> Assessment {
     let allowance = strain::gather_allowance(pattern, level);
-    Assessment {
-        strain: Strain::of(level, positions, &vec![0.0; level.triangles.len()]),
-        strain_less_gathers: Strain::of(level, positions, &allowance),
-        seams: seam_gaps(level, positions),
-        clearance: Clearance::of(positions, body, clearance),
-        intersections: Intersections::of(level, positions, body),
-    }
+    let strains = || {
+        rayon::join(
+            || Strain::of(level, positions, &vec![0.0; level.triangles.len()]),
+            || Strain::of(level, positions, &allowance),
+        )
+    };
+    let contacts =
+        || rayon::join(|| Clearance::of(positions, body, clearance), || Intersections::of(level, positions, body));
+    let ((strain, strain_less_gathers), (clearance, intersections)) = rayon::join(strains, contacts);
+    Assessment { strain, strain_less_gathers, seams: seam_gaps(level, positions), clearance, intersections }
 }
 
 fn seam_gaps(level: &Level, positions: &[Vector3]) -> SeamGaps {
@@ -111,7 +114,7 @@ impl Clearance {
 impl Intersections {
     pub fn of(level: &Level, positions: &[Vector3], body: &Body) -> Self {
         let (with_body, with_cloth) =
-            (body_intersections(level, positions, body), cloth_intersections(level, positions));
+            rayon::join(|| body_intersections(level, positions, body), || cloth_intersections(level, positions));
         let panel_of = level.panel_of_triangle();
         let mut found = Self { body_pairs: with_body.len(), cloth_pairs: with_cloth.len(), ..Self::default() };
         for &[t, _] in &with_body {
