@@ -41,25 +41,50 @@ struct Middle {
     sag: f64,
 }
 
-/// What a sample feels at the last evaluation.
-#[derive(Clone, Copy, Debug, Default)]
-struct Touch {
-    /// Direction away from the body; zero where there is no contact.
-    normal: Vector3,
-    /// Clearance minus distance, m, positive in contact.
-    depth: f64,
-}
-
-/// The last place where a particle was found to touch nothing.
+/// What was found of a sample at the last evaluation.
 #[derive(Clone, Copy, Debug)]
-struct Sighting {
-    place: Vector3,
-    /// Distance of the place from the body, at least, m.
-    distance: f64,
+enum Finding {
+    Touching {
+        /// Direction away from the body.
+        normal: Vector3,
+        /// Clearance minus distance, m, positive.
+        depth: f64,
+    },
+    /// It need not be looked at again before it has come near enough to touch.
+    Free {
+        /// Where it was when it was last looked at.
+        place: Vector3,
+        /// Distance of the place from the body, at least, m.
+        distance: f64,
+    },
 }
 
-impl Sighting {
-    const NONE: Sighting = Sighting { place: Vector3::new(0.0, 0.0, 0.0), distance: f64::NEG_INFINITY };
+impl Finding {
+    const UNKNOWN: Finding = Finding::Free { place: Vector3::new(0.0, 0.0, 0.0), distance: f64::NEG_INFINITY };
+
+    /// Looks at a sample that has moved: most move little in a step.
+    #[inline]
+    fn update(&mut self, field: &DistanceField, position: Vector3, clearance: f64) {
+        if let Finding::Free { place, distance } = *self {
+            let free = (distance - clearance).max(0.0) / STEEPEST;
+            if (position - place).norm_squared() < free * free {
+                return;
+            }
+        }
+        *self = match field.sample_below(position, clearance) {
+            Ok(s) => Finding::Touching { normal: s.gradient, depth: clearance - s.distance },
+            Err(distance) => Finding::Free { place: position, distance },
+        };
+    }
+
+    /// Normal and depth.
+    #[inline]
+    fn touch(&self) -> Option<(Vector3, f64)> {
+        match *self {
+            Finding::Touching { normal, depth } => Some((normal, depth)),
+            Finding::Free { .. } => None,
+        }
+    }
 }
 
 /// Where a sample sticks, and how fast.
@@ -111,12 +136,16 @@ pub struct BodyContact<'a> {
     /// stiffness, and the error of the field.
     offset: Vec<f64>,
     middles: Vec<Middle>,
-    /// One per particle, then one per middle.
-    touches: Vec<Touch>,
-    anchors: Vec<Option<Anchor>>,
-    /// One per particle: it need not be looked at again before it has come near enough to touch.
-    sightings: Vec<Sighting>,
+    /// One per sample, as what follows: the particles, then the middles.
+    findings: Vec<Finding>,
+    /// Where the sample's anchor stands among the anchors, or [`LOOSE`].
+    anchor_of: Vec<u32>,
+    /// Of the samples that stick.
+    anchors: Vec<Anchor>,
 }
+
+/// A sample without an anchor.
+const LOOSE: u32 = u32::MAX;
 
 /// Edges longer than this carry a sample in their middle, m: a wrist is 50 mm thick.
 const LONGEST_UNSAMPLED: f64 = 0.022;
@@ -136,6 +165,9 @@ const LARGEST_OFFSET: f64 = 2e-3;
 /// tangential direction is the one in which cloth has to settle.
 const STICKING: f64 = 0.3;
 
+/// Chunks of particles to a thread at least, for sweeps as cheap as a sum.
+const LEAST_CHUNKS: usize = 4;
+
 /// How far an edge of a length, m, cuts into a limb: a chord `h` over a radius `R` sags by `h²/8R`.
 pub fn sag(length: f64) -> f64 {
     length * length / (8.0 * LIMB_RADIUS)
@@ -152,29 +184,30 @@ impl<'a> BodyContact<'a> {
             extra: vec![0.0; level.particle_count],
             offset: vec![0.0; level.particle_count],
             middles,
-            touches: vec![Touch::default(); count],
-            anchors: vec![None; count],
-            sightings: vec![Sighting::NONE; level.particle_count],
+            findings: vec![Finding::UNKNOWN; count],
+            anchor_of: vec![LOOSE; count],
+            anchors: Vec::new(),
         }
     }
 
     /// Adds the gradient, N, and returns the energy, J.
     pub fn evaluate(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) -> f64 {
         let (field, BodyContactSettings { clearance, stiffness, .. }) = (self.field, self.settings);
-        let (at_particles, at_middles) = self.touches.split_at_mut(positions.len());
-        let (particle_anchors, middle_anchors) = self.anchors.split_at(positions.len());
+        let (anchors, particles) = (&self.anchors, positions.len());
+        let (at_particles, at_middles) = self.findings.split_at_mut(particles);
+        let (anchors_of_particles, anchors_of_middles) = self.anchor_of.split_at(particles);
         let sums: Vec<f64> = at_particles
             .par_chunks_mut(CHUNK)
             .zip(positions.par_chunks(CHUNK))
             .zip(gradient.par_chunks_mut(CHUNK))
-            .zip(particle_anchors.par_chunks(CHUNK))
+            .zip(anchors_of_particles.par_chunks(CHUNK))
             .zip(self.extra.par_chunks(CHUNK).zip(self.offset.par_chunks(CHUNK)))
-            .zip(self.sightings.par_chunks_mut(CHUNK))
-            .map(|(((((touches, positions), gradient), anchors), (extra, offset)), sightings)| {
+            .map(|((((findings, positions), gradient), anchor_of), (extra, offset))| {
                 let mut sum = 0.0;
-                for k in 0..touches.len() {
-                    touches[k] = sighted(field, positions[k], clearance + extra[k] + offset[k], &mut sightings[k]);
-                    let (energy, pull) = push(&touches[k], &anchors[k], positions[k], stiffness);
+                for k in 0..findings.len() {
+                    findings[k].update(field, positions[k], clearance + extra[k] + offset[k]);
+                    let anchor = anchors.get(anchor_of[k] as usize);
+                    let (energy, pull) = push(&findings[k], anchor, positions[k], stiffness);
                     sum += energy;
                     gradient[k] += pull;
                 }
@@ -182,10 +215,10 @@ impl<'a> BodyContact<'a> {
             })
             .collect();
         let mut energy: f64 = sums.iter().sum();
-        for ((middle, at), anchor) in self.middles.iter().zip(at_middles).zip(middle_anchors) {
+        for (middle, (finding, &anchor_of)) in self.middles.iter().zip(at_middles.iter_mut().zip(anchors_of_middles)) {
             let position = middle.of(positions);
-            *at = touch(field, position, clearance - middle.sag);
-            let (sample_energy, pull) = push(at, anchor, position, stiffness);
+            finding.update(field, position, clearance - middle.sag);
+            let (sample_energy, pull) = push(finding, anchors.get(anchor_of as usize), position, stiffness);
             energy += sample_energy;
             for p in middle.ends {
                 gradient[p as usize] += pull * 0.5;
@@ -197,32 +230,39 @@ impl<'a> BodyContact<'a> {
     /// `dᵀ H d` at the last evaluation, without the curvature of the body.
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {
         let k = self.settings.stiffness;
-        let along = |touch: &Touch, anchor: &Option<Anchor>, position: Vector3, d: Vector3| {
-            let pressing = if touch.depth > 0.0 { k * touch.normal.dot(&d).powi(2) } else { 0.0 };
-            pressing + anchor.as_ref().map_or(0.0, |a| d.dot(&(a.hessian(position, STICKING * k) * d)))
+        let along = |finding: &Finding, anchor_of: u32, position: &dyn Fn() -> Vector3, d: &dyn Fn() -> Vector3| {
+            let pressing = finding.touch().map_or(0.0, |(normal, _)| k * normal.dot(&d()).powi(2));
+            let sticking = |a: &Anchor| d().dot(&(a.hessian(position(), STICKING * k) * d()));
+            pressing + self.anchors.get(anchor_of as usize).map_or(0.0, sticking)
         };
-        let samples = || self.touches.iter().zip(&self.anchors);
-        let particles: f64 =
-            samples().zip(positions.iter().zip(direction)).map(|((t, a), (&p, &d))| along(t, a, p, d)).sum();
-        let middles: f64 = samples()
-            .skip(direction.len())
-            .zip(&self.middles)
-            .map(|((t, a), m)| along(t, a, m.of(positions), m.of(direction)))
-            .sum();
-        particles + middles
+        let (at_particles, at_middles) = self.findings.split_at(positions.len());
+        let (anchors_of_particles, anchors_of_middles) = self.anchor_of.split_at(positions.len());
+        let sums: Vec<f64> = at_particles
+            .par_chunks(CHUNK)
+            .zip(anchors_of_particles.par_chunks(CHUNK))
+            .zip(positions.par_chunks(CHUNK).zip(direction.par_chunks(CHUNK)))
+            .with_min_len(LEAST_CHUNKS)
+            .map(|((findings, anchor_of), (positions, direction))| {
+                let samples = findings.iter().zip(anchor_of).zip(positions.iter().zip(direction));
+                samples.map(|((finding, &anchor_of), (p, d))| along(finding, anchor_of, &|| *p, &|| *d)).sum()
+            })
+            .collect();
+        let middles = at_middles.iter().zip(anchors_of_middles).zip(&self.middles);
+        let at_middles = middles
+            .map(|((finding, &anchor_of), m)| along(finding, anchor_of, &|| m.of(positions), &|| m.of(direction)));
+        sums.into_iter().sum::<f64>() + at_middles.sum::<f64>()
     }
 
     /// Block of the Hessian of a particle's own contact at the last evaluation, N/m: the pressing with
     /// the sticking, and what the curvature of the body adds to it.
     pub fn hessian_of(&self, particle: usize, position: Vector3) -> [Matrix3<f64>; 2] {
         let k = self.settings.stiffness;
-        let (touch, mut definite) = (self.touches[particle], Matrix3::zeros());
-        let mut curved = Matrix3::zeros();
-        if touch.depth > 0.0 {
-            definite += touch.normal * touch.normal.transpose() * k;
-            curved = self.field_curvature(position) * (-k * touch.depth);
+        let (mut definite, mut curved) = (Matrix3::zeros(), Matrix3::zeros());
+        if let Some((normal, depth)) = self.findings[particle].touch() {
+            definite += normal * normal.transpose() * k;
+            curved = self.field_curvature(position) * (-k * depth);
         }
-        if let Some(anchor) = self.anchors[particle] {
+        if let Some(anchor) = self.anchor(particle) {
             definite += anchor.hessian(position, STICKING * k);
         }
         [definite, curved]
@@ -261,37 +301,42 @@ impl<'a> BodyContact<'a> {
 
     fn middle_hessians<'b>(&'b self, positions: &'b [Vector3]) -> impl Iterator<Item = (&'b Middle, Matrix3<f64>)> {
         let k = self.settings.stiffness;
-        let samples = self.touches.iter().zip(&self.anchors).skip(positions.len());
-        self.middles.iter().zip(samples).filter_map(move |(middle, (touch, anchor))| {
-            if touch.depth <= 0.0 && anchor.is_none() {
+        self.middles.iter().zip(positions.len()..).filter_map(move |(middle, sample)| {
+            let (touch, anchor) = (self.findings[sample].touch(), self.anchor(sample));
+            if touch.is_none() && anchor.is_none() {
                 return None;
             }
-            let pressing = touch.normal * touch.normal.transpose() * k;
-            Some((
-                middle,
-                pressing + anchor.map_or(Matrix3::zeros(), |a| a.hessian(middle.of(positions), STICKING * k)),
-            ))
+            let pressing = touch.map_or(Matrix3::zeros(), |(normal, _)| normal * normal.transpose() * k);
+            let sticking = anchor.map_or(Matrix3::zeros(), |a| a.hessian(middle.of(positions), STICKING * k));
+            Some((middle, pressing + sticking))
         })
     }
 
     /// Lets touching samples stick where they are, and those that are pulled too hard slip.
     pub fn update_anchors(&mut self, positions: &[Vector3]) {
         let BodyContactSettings { friction, stiffness, .. } = self.settings;
-        for (k, (touch, anchor)) in self.touches.iter().zip(&mut self.anchors).enumerate() {
-            if touch.depth <= 0.0 || friction == 0.0 {
-                *anchor = None;
-                continue;
-            }
+        let sticking = if friction > 0.0 { self.findings.iter().filter(|f| f.touch().is_some()).count() } else { 0 };
+        let before = std::mem::replace(&mut self.anchors, Vec::with_capacity(sticking));
+        for (k, (finding, anchor_of)) in self.findings.iter().zip(&mut self.anchor_of).enumerate() {
+            let anchor = before.get(*anchor_of as usize);
+            *anchor_of = LOOSE;
+            let Some((normal, depth)) = finding.touch().filter(|_| friction > 0.0) else { continue };
             let position = positions.get(k).copied().unwrap_or_else(|| self.middles[k - positions.len()].of(positions));
-            let normal = touch.normal.normalize();
+            let normal = normal.normalize();
             let stuck = anchor.map_or(position, |a| a.point);
             let span = tangential(position - stuck, normal);
-            let limit = friction * stiffness * touch.depth;
+            let limit = friction * stiffness * depth;
             // The anchor follows what is beyond the reach of its pull.
             let slip = (span.norm() - limit / (STICKING * stiffness)).max(0.0);
             let follow = span.try_normalize(f64::MIN_POSITIVE).map_or(Vector3::zeros(), |along| along * slip);
-            *anchor = Some(Anchor { point: stuck + follow, normal, limit });
+            *anchor_of = self.anchors.len() as u32;
+            self.anchors.push(Anchor { point: stuck + follow, normal, limit });
         }
+    }
+
+    /// Of a sample, if it sticks.
+    fn anchor(&self, sample: usize) -> Option<&Anchor> {
+        self.anchors.get(self.anchor_of[sample] as usize)
     }
 
     /// Corrects where each touching particle aims at by how far it is from its clearance, by exact
@@ -305,13 +350,14 @@ impl<'a> BodyContact<'a> {
                 let (offset, target) = (self.offset[p], self.settings.clearance + self.extra[p]);
                 // In a crease the field can be off by this much, and show no contact where there is one.
                 let seen = |at| self.field.sample(at).is_some_and(|s| s.distance < target + FIELD_ERROR);
-                if self.touches[p].depth <= 0.0 && offset == 0.0 && !seen(position) {
+                let touches = self.findings[p].touch().is_some();
+                if !touches && offset == 0.0 && !seen(position) {
                     return 0.0;
                 }
                 match self.exact_distance(position, target) {
                     Some(distance) if (target - distance).abs() < CORRECTION_TOLERANCE => offset,
                     // What touches nothing and is far enough away has nothing to aim at.
-                    Some(distance) if offset == 0.0 && self.touches[p].depth <= 0.0 && distance > target => 0.0,
+                    Some(distance) if offset == 0.0 && !touches && distance > target => 0.0,
                     Some(distance) => (offset + target - distance).clamp(-LARGEST_OFFSET, LARGEST_OFFSET),
                     None => 0.0,
                 }
@@ -391,40 +437,13 @@ fn tangential(v: Vector3, normal: Vector3) -> Vector3 {
     v - normal * normal.dot(&v)
 }
 
-#[inline]
-fn touch(field: &DistanceField, position: Vector3, clearance: f64) -> Touch {
-    match field.sample_below(position, clearance) {
-        Ok(s) => Touch { normal: s.gradient, depth: clearance - s.distance },
-        Err(_) => Touch::default(),
-    }
-}
-
-/// The same for a particle whose last sighting is remembered: most particles move little in a step.
-#[inline]
-fn sighted(field: &DistanceField, position: Vector3, clearance: f64, last: &mut Sighting) -> Touch {
-    let free = (last.distance - clearance).max(0.0) / STEEPEST;
-    if (position - last.place).norm_squared() < free * free {
-        return Touch::default();
-    }
-    match field.sample_below(position, clearance) {
-        Ok(s) => {
-            *last = Sighting::NONE;
-            Touch { normal: s.gradient, depth: clearance - s.distance }
-        }
-        Err(distance) => {
-            *last = Sighting { place: position, distance };
-            Touch::default()
-        }
-    }
-}
-
 /// Energy and gradient of one sample.
 #[inline]
-fn push(touch: &Touch, anchor: &Option<Anchor>, position: Vector3, stiffness: f64) -> (f64, Vector3) {
+fn push(finding: &Finding, anchor: Option<&Anchor>, position: Vector3, stiffness: f64) -> (f64, Vector3) {
     let (mut energy, mut gradient) = (0.0, Vector3::zeros());
-    if touch.depth > 0.0 {
-        energy += 0.5 * stiffness * touch.depth * touch.depth;
-        gradient -= touch.normal * (stiffness * touch.depth);
+    if let Some((normal, depth)) = finding.touch() {
+        energy += 0.5 * stiffness * depth * depth;
+        gradient -= normal * (stiffness * depth);
     }
     if let Some(anchor) = anchor {
         let (stuck_energy, pull) = anchor.pull(position, STICKING * stiffness);
@@ -518,19 +537,18 @@ mod tests {
         let mut gradient = vec![Vector3::zeros(); positions.len()];
         contact.evaluate(&positions, &mut gradient);
         contact.update_anchors(&positions);
-        let deepest =
-            (0..positions.len()).max_by(|&a, &b| contact.touches[a].depth.total_cmp(&contact.touches[b].depth));
-        let p = deepest.unwrap();
-        let anchor = contact.anchors[p].unwrap().point;
-        let limit = 0.5 * contact.touches[p].depth / STICKING;
+        let touching = (0..positions.len()).filter_map(|p| contact.findings[p].touch().map(|touch| (p, touch)));
+        let (p, (normal, depth)) = touching.max_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b)).unwrap();
+        let anchor = contact.anchor(p).unwrap().point;
+        let limit = 0.5 * depth / STICKING;
         for (shift, slips) in [(0.5 * limit, false), (2.0 * limit, true)] {
             let mut moved = positions.clone();
-            moved[p] += tangential(Vector3::z(), contact.touches[p].normal.normalize()).normalize() * shift;
+            moved[p] += tangential(Vector3::z(), normal.normalize()).normalize() * shift;
             contact.evaluate(&moved, &mut gradient);
-            let before = contact.anchors.clone();
+            let before = (contact.anchors.clone(), contact.anchor_of.clone());
             contact.update_anchors(&moved);
-            assert_eq!((contact.anchors[p].unwrap().point - anchor).norm() > 0.1 * limit, slips);
-            contact.anchors = before;
+            assert_eq!((contact.anchor(p).unwrap().point - anchor).norm() > 0.1 * limit, slips);
+            (contact.anchors, contact.anchor_of) = before;
         }
     }
 }
