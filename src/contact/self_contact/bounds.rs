@@ -14,9 +14,6 @@ use rayon::prelude::*;
 /// Share of a pair's distance that its sides may move towards each other in one step: below one, so
 /// that touching stays excluded.
 const APPROACH_SHARE: f64 = 0.8;
-/// Share of the reach that a particle may be away from its origin. Pairs that are not followed are at
-/// least the reach apart at the origin; after two such moves half of it is left.
-pub const MOST_DRIFT: f64 = 0.25;
 /// When some particle would stray farther, all get new origins that are away by this share of the
 /// most. On fine levels these are few: one in a thousand where half of this would be one in a hundred;
 /// with more the searches cost the same and come twice as often.
@@ -84,7 +81,7 @@ impl SelfContact {
         if self.origin.len() != positions.len() {
             self.rebuild(positions);
         }
-        let most_drift = MOST_DRIFT * self.settings.reach;
+        let most_drift = self.most_drift;
         let (longest, strays) = self.cut(positions, moves, most_drift);
         if strays {
             self.renew_strayed(positions, moves, most_drift);

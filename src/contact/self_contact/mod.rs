@@ -46,6 +46,9 @@ const FEW: usize = 8;
 const MOST_PAIRS_ALONE: usize = 2048;
 /// Chunks of particles to a thread at least, for sweeps as cheap as a sum.
 const LEAST_CHUNKS: usize = 16;
+/// Pairs that are not followed are at least the reach apart at the origin. A particle may stray from there by this
+/// share of what two that approach each other may before they come nearer than the clearance.
+const DRIFT_SHARE: f64 = 0.9;
 /// What a bound on distances is widened by for the rounding of its terms, m.
 const ROUNDING: f64 = 1e-12;
 
@@ -71,6 +74,8 @@ pub struct ActivePair {
 pub struct SelfContact {
     pub settings: SelfContactSettings,
     finder: PairFinder,
+    /// The farthest that a particle may be from its origin, m.
+    most_drift: f64,
     /// m, one per particle.
     clearance: Vec<f64>,
     /// All pairs that at the origin are nearer than the reach and not adjacent, but for those excused.
@@ -101,9 +106,11 @@ impl SelfContact {
                 }
             }
         }
+        let largest_clearance = clearance.iter().copied().fold(0.0, larger);
         Self {
             settings,
-            finder: PairFinder::new(&triangles, &class_of, settings.reach),
+            most_drift: DRIFT_SHARE * 0.5 * (settings.reach - largest_clearance),
+            finder: PairFinder::new(&triangles, class_of, settings.reach),
             clearance,
             pairs: Vec::new(),
             origin_distance: Vec::new(),
@@ -118,8 +125,10 @@ impl SelfContact {
     pub fn rebuild(&mut self, positions: &[Vector3]) {
         let touching = self.touching();
         let first = self.origin.is_empty();
-        self.origin = positions.to_vec();
-        self.squared_drift = vec![0.0; positions.len()];
+        self.origin.clear();
+        self.origin.extend_from_slice(positions);
+        self.squared_drift.clear();
+        self.squared_drift.resize(positions.len(), 0.0);
         self.pairs.clear();
         self.origin_distance.clear();
         let found = self.finder.all(positions);
@@ -308,7 +317,7 @@ mod tests {
                 let plainly: Vec<_> = plainly.into_iter().filter(|(pair, _)| !contact.excused.contains(pair)).collect();
                 prop_assert_eq!(found, plainly);
                 let farthest = contact.measure_drift(&positions);
-                prop_assert!(farthest <= bounds::MOST_DRIFT * reach * (1.0 + 1e-9), "{farthest}");
+                prop_assert!(farthest <= contact.most_drift * (1.0 + 1e-9), "{farthest}");
                 // What is known of distances without measuring them is true.
                 for (pair, &at_origin) in contact.pairs.iter().zip(&contact.origin_distance) {
                     prop_assert!(contact.least_distance(pair, at_origin) <= pair.distance(&positions));

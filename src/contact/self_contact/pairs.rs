@@ -83,8 +83,6 @@ impl Kind {
 #[derive(Clone, Copy)]
 struct Face {
     particles: [u32; 3],
-    /// Particles of one class are, or will be, sewn to one.
-    classes: [u32; 3],
     /// Bit `k`: corner `k` is this triangle's. Bit `3 + k`: so is the edge from it to the next.
     owned: u8,
 }
@@ -106,6 +104,8 @@ impl Face {
 /// Finds pairs nearer than the reach.
 pub struct PairFinder {
     faces: Vec<Face>,
+    /// Class of each particle: those of one class are, or will be, sewn to one. Empty where each is its own.
+    class_of: Vec<u32>,
     /// Boxes around the faces, grown by half the reach. Empty before the first search.
     tree: RunTree,
     /// m.
@@ -114,18 +114,26 @@ pub struct PairFinder {
 
 impl PairFinder {
     /// `class_of` gives the class of each particle: what shares one is adjacent.
-    pub fn new(triangles: &[[u32; 3]], class_of: &[u32], reach: f64) -> Self {
+    pub fn new(triangles: &[[u32; 3]], mut class_of: Vec<u32>, reach: f64) -> Self {
         let owned = owned(triangles, class_of.len());
-        let face = |(&particles, owned): (&[u32; 3], u8)| {
-            let classes = particles.map(|p| class_of[p as usize]);
-            Face { particles, classes, owned }
-        };
-        Self { faces: triangles.iter().zip(owned).map(face).collect(), tree: RunTree::new(std::iter::empty()), reach }
+        let face = |(&particles, owned): (&[u32; 3], u8)| Face { particles, owned };
+        let faces = triangles.iter().zip(owned).map(face).collect();
+        if (0..).zip(&class_of).all(|(p, &class)| p == class) {
+            class_of = Vec::new();
+        }
+        Self { faces, class_of, tree: RunTree::new(std::iter::empty()), reach }
+    }
+
+    #[inline]
+    fn classes(&self, face: &Face) -> [u32; 3] {
+        if self.class_of.is_empty() { face.particles } else { face.particles.map(|p| self.class_of[p as usize]) }
     }
 
     /// All pairs nearer than the reach that are not adjacent, with their distances, m. Their order is
     /// the same for any number of threads.
     pub fn all(&mut self, positions: &[Vector3]) -> Vec<(Pair, f64)> {
+        // The old one goes before the new one comes: they are large.
+        self.tree = RunTree::new(std::iter::empty());
         self.tree = RunTree::new(self.faces.iter().map(|face| self.around(face, positions)));
         self.tree.collect_pairs(|t, u, found| self.belongings([t, u], positions, |_, _| true, found))
     }
@@ -171,10 +179,11 @@ impl PairFinder {
     ) {
         let [one, other] = faces.map(|t| &self.faces[t as usize]);
         // Bit `3 i + j`: corner `i` of the one and corner `j` of the other are, or will be, sewn to one.
+        let (classes, others) = (self.classes(one), self.classes(other));
         let mut shared = 0u32;
         for i in 0..3 {
             for j in 0..3 {
-                shared |= u32::from(one.classes[i] == other.classes[j]) << (3 * i + j);
+                shared |= u32::from(classes[i] == others[j]) << (3 * i + j);
             }
         }
         let [a, b] = [one, other].map(|face| face.particles.map(|p| positions[p as usize]));
@@ -332,7 +341,7 @@ pub mod tests {
             let triangles = level.particle_triangles();
             // Some particles far apart are to be sewn to one.
             let class_of: Vec<u32> = (0..level.particle_count as u32).map(|p| p % classes).collect();
-            let mut finder = PairFinder::new(&triangles, &class_of, reach);
+            let mut finder = PairFinder::new(&triangles, class_of.clone(), reach);
             let found = in_order(finder.all(&positions));
             prop_assert!(rough > 0.03 || reach < 0.04 || classes < 100 || !found.is_empty());
             prop_assert_eq!(&found, &near_pairs_plainly(&triangles, &class_of, &positions, reach));
