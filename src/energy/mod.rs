@@ -27,6 +27,7 @@ use incidence::Incidence;
 use patch::{Cloth, PATCH, Patch, PatchTerms, Scratch};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Which formulas stand for the cloth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -58,11 +59,10 @@ pub struct Energy {
     patches: Vec<Patch>,
     /// Which instructions the processor has.
     arch: Arch,
-    /// kg, one per particle.
-    masses: Vec<f64>,
+    /// kg, one per particle; shared with those who watch an evaluation.
+    masses: Arc<[f64]>,
     /// The part of the diagonal that never changes, N/m.
     elastic_diagonal: Vec<f64>,
-    diagonal: Vec<f64>,
     /// m/s²; zero while the seams close.
     pub gravity: f64,
     /// What closes the seams; nothing once they are closed.
@@ -81,34 +81,28 @@ impl Energy {
         };
         let hinges_at = Incidence::new(level.particle_count, forms.iter().map(|f| f.particles));
         let cloth = Cloth { triangles: &triangles, forms: &forms, springs: &springs, hinges_at: &hinges_at };
-        let mut energy = Self {
+        let energy = Self {
             patches: Patch::all(level.particle_count, &cloth),
             arch: Arch::new(),
             masses: level.particle_areas().iter().map(|a| a * fabric.areal_density).collect(),
             elastic_diagonal: elastic_diagonal(level.particle_count, &cloth),
-            diagonal: Vec::new(),
             gravity: GRAVITY,
             stitches: Stitches::new(level.stitches.clone()),
             holds: Vec::new(),
         };
-        energy.update_diagonal();
         energy
     }
 
     /// kg, one per particle.
-    pub fn masses(&self) -> &[f64] {
+    pub fn masses(&self) -> &Arc<[f64]> {
         &self.masses
     }
 
-    /// An estimate of each particle's diagonal of the Hessian, N/m. Call [`Energy::update_diagonal`]
-    /// after a stiffness was changed.
-    pub fn diagonal(&self) -> &[f64] {
-        &self.diagonal
-    }
-
-    pub fn update_diagonal(&mut self) {
-        self.diagonal.clone_from(&self.elastic_diagonal);
-        self.stitches.add_diagonal(&mut self.diagonal);
+    /// An estimate of each particle's diagonal of the Hessian, N/m.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal = self.elastic_diagonal.clone();
+        self.stitches.add_diagonal(&mut diagonal);
+        diagonal
     }
 
     /// Energy at `positions`, with its gradient, N, one per particle.
@@ -268,7 +262,6 @@ mod tests {
         let mut closing = Energy::new(&open, &fabric, model);
         closing.stitches.stiffness = 50.0;
         closing.stitches.lengths = (0..open.stitches.len()).map(|k| 0.005 * k as f64).collect();
-        closing.update_diagonal();
         let open_at = lifted(&open, |p| on_cylinder(p, 0.06));
 
         let tube = sewn(&shapes::tube(0.3, 0.1), 0.05);

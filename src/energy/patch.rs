@@ -198,7 +198,9 @@ impl Patch {
 impl Pairs {
     /// Pairs whose first places ascend.
     fn new(places: usize, pairs: impl Iterator<Item = (u32, u32, f64)>) -> Self {
-        let mut built = Self { starts: vec![0; places + 1], partners: Vec::new(), weights: Vec::new() };
+        let count = pairs.size_hint().0;
+        let (partners, weights) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut built = Self { starts: vec![0; places + 1], partners, weights };
         for (i, j, weight) in pairs {
             built.starts[i as usize + 1] += 1;
             built.partners.push(j);

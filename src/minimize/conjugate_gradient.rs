@@ -25,16 +25,16 @@ pub struct Settings {
 /// A run's working memory and its state.
 pub struct ConjugateGradient {
     gradient: Vec<Vector3>,
-    trial_gradient: Vec<Vector3>,
     direction: Vec<Vector3>,
-    moves: Vec<Vector3>,
     trial: Vec<Vector3>,
+    /// The moves that lead to the trial, until it is evaluated.
+    trial_gradient: Vec<Vector3>,
 }
 
 impl ConjugateGradient {
     pub fn new(point_count: usize) -> Self {
         let zeros = || vec![Vector3::zeros(); point_count];
-        Self { gradient: zeros(), trial_gradient: zeros(), direction: zeros(), moves: zeros(), trial: zeros() }
+        Self { gradient: zeros(), direction: zeros(), trial: zeros(), trial_gradient: zeros() }
     }
 
     /// Lowers `problem` from `points`, in place. `done` is asked after each accepted step whether the
@@ -68,11 +68,11 @@ impl ConjugateGradient {
                 if evaluations >= settings.evaluations {
                     return (Termination::Budget, value, evaluations);
                 }
-                let capped =
-                    move_on(points, &self.direction, step, settings.largest_move, &mut self.moves, &mut self.trial);
-                let limited = problem.limit(points, &mut self.moves);
+                let moves = &mut self.trial_gradient;
+                let capped = move_on(points, &self.direction, step, settings.largest_move, moves, &mut self.trial);
+                let limited = problem.limit(points, moves);
                 if limited {
-                    add(points, &self.moves, &mut self.trial);
+                    add(points, moves, &mut self.trial);
                 }
                 let trial_value = problem.evaluate(&self.trial, &mut self.trial_gradient);
                 evaluations += 1;

@@ -25,9 +25,14 @@ pub struct Clearing {
 }
 
 /// Takes every particle out to its clearance and every triangle out of the body.
-pub fn clear_body(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &mut Vec<Vector3>) -> Clearing {
+pub fn clear_body(
+    scene: &Scene,
+    level: usize,
+    problem: &mut Relaxation,
+    minimizer: &mut Minimizer,
+    positions: &mut Vec<Vector3>,
+) -> Clearing {
     let cloth = &scene.garment.levels[level];
-    let mut minimizer = Minimizer::new(scene.settings.minimizer, positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
     let widening = LEAST_WIDENING.max(WIDENING_SHARE * sag(cloth.resolution));
     let mut clearing = Clearing::default();

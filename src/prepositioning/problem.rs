@@ -28,9 +28,9 @@ impl<'a> Relaxation<'a> {
 
     /// To be called after a stiffness was changed.
     pub fn update_diagonal(&mut self) {
-        self.energy.update_diagonal();
         let contact = self.body.diagonal();
-        self.diagonal = self.energy.diagonal().iter().map(|d| d + contact).collect();
+        self.diagonal = self.energy.diagonal();
+        self.diagonal.iter_mut().for_each(|d| *d += contact);
     }
 }
 

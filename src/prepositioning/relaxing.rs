@@ -57,10 +57,11 @@ pub fn relax(
         particles: cloth.particle_count,
         evaluations: budget,
     });
-    let starting_intersections = cloth_intersections(cloth, positions).len();
-    let mut problem = problem(scene, level, arrangement, positions);
+    let (starting_intersections, mut problem) =
+        rayon::join(|| cloth_intersections(cloth, positions).len(), || problem(scene, level, arrangement, positions));
     let minimizer = Minimizer::new(scene.settings.minimizer, positions.len());
-    let mut run = Run { minimizer, newton: None, evaluations: 0, fallen: f64::INFINITY, curve: Vec::new() };
+    let mut run =
+        Run { minimizer, newton: None, evaluations: 0, fallen: f64::INFINITY, strain: None, curve: Vec::new() };
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
     } else {
@@ -138,7 +139,7 @@ fn settle(
         let cloth = &scene.garment.levels[level];
         observer.event(&Event::Checked { level, evaluations: run.evaluations, cloth, positions });
         // Cloth finds its place by sliding; in the end it stays there by friction alone.
-        settled |= !let_go && is_settled(scene, level, problem, run, positions);
+        settled |= !let_go && is_settled(scene, level, problem, run, positions, sliding);
         if !let_go && (run.evaluations >= sliding || settled || termination != Termination::Budget) {
             let_go = true;
             if settled {
@@ -161,7 +162,7 @@ fn settle(
             if clearings >= MOST_CLEARINGS && finish::is_clear(scene, level, positions) {
                 return Termination::Converged;
             }
-            let clearing = finish::clear_body(scene, level, problem, positions);
+            let clearing = finish::clear_body(scene, level, problem, &mut run.minimizer, positions);
             run.evaluations += clearing.evaluations;
             if !clearing.moved {
                 return Termination::Converged;
@@ -174,7 +175,7 @@ fn settle(
             break;
         }
     }
-    run.evaluations += finish::clear_body(scene, level, problem, positions).evaluations;
+    run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
     match (balanced(problem, positions) || settled, stalled > MOST_STALLS) {
         (true, _) => Termination::Converged,
         (false, true) => Termination::Stalled,
@@ -183,14 +184,29 @@ fn settle(
 }
 
 /// Is cloth that slides on the finest level ready to be left to itself? It hardly sinks any more, and its strain is
-/// clearly within the limits of the hand-off. One that is too tight for them goes on to its budget.
-fn is_settled(scene: &Scene, level: usize, problem: &Relaxation, run: &Run, positions: &[Vector3]) -> bool {
+/// clearly within the limits of the hand-off, or so far beyond them that at its pace it would not come within
+/// them in the evaluations that are left of those for `sliding`: then the garment is too tight.
+fn is_settled(
+    scene: &Scene,
+    level: usize,
+    problem: &Relaxation,
+    run: &mut Run,
+    positions: &[Vector3],
+    sliding: usize,
+) -> bool {
     if scene.settings.until != FinishLine::HandOff || run.fallen > SETTLED_SINKING * weight(problem) {
         return false;
     }
     let cloth = &scene.garment.levels[level];
     let strain = Strain::of(cloth, positions, &gather_allowance(scene.pattern, cloth));
-    strain.p99 < CLEARLY * LARGEST_STRAIN_P99 && strain.mean < CLEARLY * LARGEST_STRAIN_MEAN
+    let before = run.strain.replace(strain);
+    let runs_left = sliding.saturating_sub(run.evaluations) as f64 / RUN_LENGTH as f64;
+    let too_tight = |before: f64, now: f64, limit: f64| now - runs_left * (before - now) > limit;
+    let too_tight = before.is_some_and(|before| {
+        too_tight(before.p99, strain.p99, LARGEST_STRAIN_P99)
+            || too_tight(before.mean, strain.mean, LARGEST_STRAIN_MEAN)
+    });
+    too_tight || strain.p99 < CLEARLY * LARGEST_STRAIN_P99 && strain.mean < CLEARLY * LARGEST_STRAIN_MEAN
 }
 
 /// N.
@@ -266,6 +282,8 @@ struct Run {
     evaluations: usize,
     /// By how much the last run lowered the energy, J.
     fallen: f64,
+    /// When it was last measured.
+    strain: Option<Strain>,
     curve: Vec<CurvePoint>,
 }
 
@@ -294,7 +312,7 @@ impl Run {
             (true, FinishLine::Equilibrium) => 0.5 * scene.settings.equilibrium_residual,
         };
         let steps = Steps { evaluations, ..scene.settings.steps(&scene.garment.levels[level]) };
-        let masses: Vec<f64> = problem.energy.masses().to_vec();
+        let masses = problem.energy.masses().clone();
         let before = self.evaluations;
         let first = self.curve.len();
         let curve = &mut self.curve;
