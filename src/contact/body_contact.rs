@@ -17,7 +17,7 @@
 
 use crate::body::{Body, DistanceField, STEEPEST};
 use crate::garment::Level;
-use crate::geometry::{EdgeTable, Vector3};
+use crate::geometry::{Edge, EdgeTable, Vector3};
 use crate::minimize::CHUNK;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
@@ -455,17 +455,21 @@ fn push(finding: &Finding, anchor: Option<&Anchor>, position: Vector3, stiffness
 
 /// The middles of the edges that are too long to do without.
 fn middles(level: &Level) -> Vec<Middle> {
-    let triangles = level.particle_triangles();
-    let edges = EdgeTable::new(&triangles).edges.into_iter();
-    edges
-        .filter_map(|edge| {
-            let t = edge.triangles[0] as usize;
-            let tip = triangles[t].iter().position(|p| !edge.ends.contains(p))?;
-            let rest = level.rest_corners(t);
-            let length = (rest[(tip + 2) % 3] - rest[(tip + 1) % 3]).norm();
-            (length > LONGEST_UNSAMPLED).then_some(Middle { ends: edge.ends, sag: sag(length) })
-        })
-        .collect()
+    let length = |t: u32, tip: usize| {
+        let rest = level.rest_corners(t as usize);
+        (rest[(tip + 2) % 3] - rest[(tip + 1) % 3]).norm()
+    };
+    let is_large = |t: &u32| (0..3).any(|tip| length(*t, tip) > LONGEST_UNSAMPLED);
+    let large: Vec<u32> = (0..level.triangles.len() as u32).filter(is_large).collect();
+    let particles: Vec<[u32; 3]> = large.iter().map(|&t| level.particles(t as usize)).collect();
+    let edges = EdgeTable::new(&particles).edges;
+    let middle = |edge: &Edge| {
+        let k = edge.triangles[0] as usize;
+        let tip = particles[k].iter().position(|p| !edge.ends.contains(p))?;
+        let length = length(large[k], tip);
+        (length > LONGEST_UNSAMPLED).then_some(Middle { ends: edge.ends, sag: sag(length) })
+    };
+    edges.iter().filter_map(middle).collect()
 }
 
 #[cfg(test)]

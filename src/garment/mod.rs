@@ -188,6 +188,8 @@ fn build_open(
         segments: Vec::new(),
         eased: Vec::new(),
     };
+    built.rest.reserve_exact(panels.iter().map(|mesh| mesh.points.len()).sum());
+    built.triangles.reserve_exact(panels.iter().map(|mesh| mesh.triangles.len()).sum());
     for (panel, mesh) in pattern.panels.iter().zip(panels) {
         let (first_point, first_triangle) = (built.rest.len(), built.triangles.len());
         let place = |p: u32| first_point as u32 + p;
@@ -209,6 +211,7 @@ fn build_open(
         .map(|range| panel_edges(&built.triangles[range.triangles.clone()], range.triangles.start as u32))
         .collect();
     let mut rim = Vec::new();
+    built.hinges.reserve_exact(edges.iter().map(|panel| panel.hinges.len()).sum());
     for panel in edges {
         built.hinges.extend(panel.hinges);
         rim.extend(panel.rim);

@@ -292,7 +292,7 @@ mod tests {
 
         /// However particles move, the pairs are those of the origin, and no particle is far from there.
         #[test]
-        fn the_pairs_followed_are_those_of_the_origin(seed in 0.0..100.0f64, reach in 0.02..0.06f64, size in 0.0..0.3f64) {
+        fn the_pairs_followed_are_those_of_the_origin(seed in 0.0..100.0f64, reach in 0.02..0.06f64, size in 0.0..0.5f64) {
             let (level, mut positions) = crumpled_tube(0.02, seed);
             let triangles = level.particle_triangles();
             let class_of: Vec<u32> = (0..level.particle_count as u32).collect();
@@ -323,7 +323,7 @@ mod tests {
                     prop_assert!(contact.least_distance(pair, at_origin) <= pair.distance(&positions));
                 }
             }
-            prop_assert!(size < 0.2 || partly > 0);
+            prop_assert!(size < 0.4 || partly > 0);
         }
 
         /// No pair that pushes is passed over.
