@@ -161,6 +161,10 @@ const CORRECTION_TOLERANCE: f64 = 2e-5;
 const FIELD_ERROR: f64 = 1e-3;
 /// The most by which a particle aims beyond its clearance or short of it, m.
 const LARGEST_OFFSET: f64 = 2e-3;
+/// The most that a particle keeps beyond its clearance, m: an ear, or a thumb, lies between it and the next.
+const MOST_EXTRA: f64 = 0.03;
+/// After so many steps a particle that has to keep farther from the body does so twice as far each time.
+const GENTLE_STEPS: f64 = 6.5;
 /// Tangential stiffness of a sticking sample over its normal one. Softer than the normal one, as the
 /// tangential direction is the one in which cloth has to settle.
 const STICKING: f64 = 0.3;
@@ -412,10 +416,13 @@ impl<'a> BodyContact<'a> {
         Some(nearest.point + normal * (clearance + 1e-9))
     }
 
-    /// Asks some particles to keep farther from the body by `more`, m.
-    pub fn widen(&mut self, particles: impl IntoIterator<Item = u32>, more: f64) {
+    /// Asks some particles to keep farther from the body: some times by `step` more, m, then by twice as much each
+    /// time. What still comes through between them sticks out far, as an ear does on coarse cloth.
+    pub fn widen(&mut self, particles: impl IntoIterator<Item = u32>, step: f64) {
         for p in particles {
-            self.extra[p as usize] += more;
+            let extra = &mut self.extra[p as usize];
+            let more = if *extra < GENTLE_STEPS * step { step } else { *extra };
+            *extra = (*extra + more).min(MOST_EXTRA);
         }
     }
 

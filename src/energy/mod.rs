@@ -81,7 +81,7 @@ impl Energy {
         };
         let hinges_at = Incidence::new(level.particle_count, forms.iter().map(|f| f.particles));
         let cloth = Cloth { triangles: &triangles, forms: &forms, springs: &springs, hinges_at: &hinges_at };
-        let energy = Self {
+        Self {
             patches: Patch::all(level.particle_count, &cloth),
             arch: Arch::new(),
             masses: level.particle_areas().iter().map(|a| a * fabric.areal_density).collect(),
@@ -89,8 +89,7 @@ impl Energy {
             gravity: GRAVITY,
             stitches: Stitches::new(level.stitches.clone()),
             holds: Vec::new(),
-        };
-        energy
+        }
     }
 
     /// kg, one per particle.

@@ -9,7 +9,7 @@ use crate::geometry::Vector3;
 use crate::minimize::{Minimizer, Problem, Settings as Steps};
 
 /// Rounds of holding, looking and widening.
-const MOST_ROUNDS: usize = 12;
+const MOST_ROUNDS: usize = 16;
 /// How much farther the particles of a pierced triangle keep after each round, m, at least.
 const LEAST_WIDENING: f64 = 4e-4;
 /// The same for large triangles, as a share of how far an edge of theirs cuts into a limb.

@@ -181,9 +181,9 @@ impl PairFinder {
         // Bit `3 i + j`: corner `i` of the one and corner `j` of the other are, or will be, sewn to one.
         let (classes, others) = (self.classes(one), self.classes(other));
         let mut shared = 0u32;
-        for i in 0..3 {
-            for j in 0..3 {
-                shared |= u32::from(classes[i] == others[j]) << (3 * i + j);
+        for (i, class) in classes.iter().enumerate() {
+            for (j, other) in others.iter().enumerate() {
+                shared |= u32::from(class == other) << (3 * i + j);
             }
         }
         let [a, b] = [one, other].map(|face| face.particles.map(|p| positions[p as usize]));
