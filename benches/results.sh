@@ -3,6 +3,7 @@
 #
 #   benches/results.sh JUDGE DATA [RESOLUTION_MM ...]
 #
+# STARTS may say how many garments with their panels in wrong places (starts.py) are to be fitted besides, at 20 mm.
 # JUDGE is the folder with run_corpus.py; DATA has patterns/garmentcode and bodies. PYTHON may name an
 # interpreter that has the judge's requirements. Results go to target/results.
 set -euo pipefail
@@ -29,7 +30,7 @@ nothing else; its hand-off gate asks for complete panels, seams closed within 1 
 cloth with itself, and a stretch of at most 1 % on average and 5 % at the 99th percentile, less what gathers impose.
 
 Machine: $cpu, $(nproc) processors, $(rustc --version | cut -d' ' -f1,2). Commit $commit. The command that wrote this page:
-\`benches/results.sh JUDGE DATA ${resolutions[*]}\`. Seconds are from a machine that was shared with other work; trust
+\`${STARTS:+STARTS=$STARTS }benches/results.sh JUDGE DATA ${resolutions[*]}\`. Seconds are from a machine that was shared with other work; trust
 processor seconds rather than wall seconds, and both within a factor of 1.5.
 HEAD
 for mm in "${resolutions[@]}"; do
@@ -45,5 +46,14 @@ for mm in "${resolutions[@]}"; do
         printf '```\n'
     } >> "$page"
 done
+if [ -n "${STARTS:-}" ]; then
+    out=target/results/starts
+    rm -rf "$out" "$out.patterns"
+    mkdir -p "$out"
+    "$python" benches/starts.py "$data/patterns/garmentcode" "$out.patterns" "$STARTS"
+    "$python" "$judge/run_corpus.py" target/release/toile "$out.patterns" --bodies "$data/bodies" --out "$out" \
+        --resolution-mm 20 --json "$out.json" > /dev/null || true # strain at 20 mm is seldom within the limits
+    "$python" benches/starts_summary.py "$out.json" >> "$page"
+fi
 [ ! -f benches/results.notes.md ] || { printf '\n'; cat benches/results.notes.md; } >> "$page"
 cp "$page" docs/results.md

@@ -6,7 +6,7 @@
 //! be the same at every resolution. `RAYON_NUM_THREADS=1` makes them comparable between machines.
 
 use std::time::Instant;
-use toile::arrangement::arrange;
+use toile::arrangement::{Care, arrange};
 use toile::body::Body;
 use toile::garment::Garment;
 use toile::io::{body_obj, garmentcode, process};
@@ -40,7 +40,7 @@ fn main() {
         let garment = Garment::build(&pattern, &settings.resolutions).unwrap();
         timed(start);
         let start = now();
-        let arrangement = arrange(&pattern, &garment.open, &field);
+        let arrangement = arrange(&pattern, &garment.open, &body, &field, Care::Seams);
         timed(start);
         particles = garment.levels[garment.levels.len() - 1].particle_count;
         std::hint::black_box(arrangement.positions);

@@ -6,7 +6,7 @@
 use super::arguments::Check;
 use super::inputs::{BodyInput, PatternInput};
 use super::{Failure, Status, complaint};
-use crate::arrangement::{arrange, check_placement, placed};
+use crate::arrangement::{Care, arrange, check_placement, placed};
 use crate::garment::Garment;
 use crate::geometry::Vector3;
 use crate::io::length::describe;
@@ -142,7 +142,7 @@ fn standing(pattern: &Pattern, garment: &Garment, body: &BodyInput) -> Vec<Strin
         }
     }
     let field = distance_field(&body.body, DEFAULT_CLEARANCE);
-    let shifts = arrange(pattern, &garment.open, &field).shifts;
+    let shifts = arrange(pattern, &garment.open, &body.body, &field, Care::Seams).shifts;
     for (panel, shift) in pattern.panels.iter().zip(shifts) {
         if shift.norm() > FAR_MOVE {
             doubts.push(format!(

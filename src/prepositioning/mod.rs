@@ -20,7 +20,7 @@ pub use problem::{Relaxation, Residual};
 pub use settings::{COARSEST_LEVEL, DEFAULT_CLEARANCE, FinishLine, Settings};
 
 use crate::Error;
-use crate::arrangement::{SIGHT_MARGIN, arrange, check_placement};
+use crate::arrangement::{Arrangement, Care, SIGHT_MARGIN, arrange, check_placement};
 use crate::assess::assess;
 use crate::body::{Body, DistanceField};
 use crate::garment::Garment;
@@ -70,12 +70,8 @@ fn sew_and_relax(
     let (garment, field) =
         rayon::join(|| Garment::build(pattern, &settings.resolutions), || distance_field(body, settings.clearance));
     let garment = garment?;
-    let mut arrangement = arrange(pattern, &garment.open, &field);
-    disturb(&mut arrangement.positions);
-    observer.event(&Event::Arranged { shifts: &arrangement.shifts });
     let scene = Scene { pattern, fabric, garment: &garment, body, field: &field, settings };
-
-    let sewn = sewing::close_seams(&scene, &arrangement, observer);
+    let (arrangement, sewn) = sew(&scene, disturb, observer);
     let mut positions = garment.weld(&sewn.positions);
     let mut levels = Vec::new();
     for level in 0..garment.levels.len() {
@@ -95,6 +91,32 @@ fn sew_and_relax(
         assessment,
         garment,
     })
+}
+
+/// Arranges the panels and closes their seams. Where that did not go well, as it does not for panels that start beside
+/// the limbs they are to enclose, it is tried once more with more care; the better one is taken.
+fn sew(
+    scene: &Scene,
+    disturb: &(dyn Fn(&mut [Vector3]) + Sync),
+    observer: &mut dyn Observer,
+) -> (Arrangement, sewing::Sewn) {
+    let mut with = |care: Care| {
+        let mut arrangement = arrange(scene.pattern, &scene.garment.open, scene.body, scene.field, care);
+        disturb(&mut arrangement.positions);
+        observer.event(&Event::Arranged { shifts: &arrangement.shifts });
+        let sewn = sewing::close_seams(scene, &arrangement, observer);
+        let trouble = sewing::Trouble::of(scene, &sewn);
+        (trouble, arrangement, sewn)
+    };
+    let (trouble, arrangement, sewn) = with(Care::Seams);
+    if trouble.is_none() {
+        return (arrangement, sewn);
+    }
+    let (other_trouble, other_arrangement, other_sewn) = with(Care::SeamsAndOpenings);
+    match other_trouble < trouble {
+        true => (other_arrangement, other_sewn),
+        false => (arrangement, sewn),
+    }
 }
 
 /// The distances that a fit with this clearance, m, asks for: one field serves the search for a start, which

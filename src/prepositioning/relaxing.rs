@@ -184,7 +184,7 @@ fn settle(
 }
 
 /// Is cloth that slides on the finest level ready to be left to itself? It hardly sinks any more, and its strain is
-/// clearly within the limits of the hand-off, or so far beyond them that at its pace it would not come within
+/// clearly within the limits of the hand-off, or so far beyond them that at twice its pace it would not come within
 /// them in the evaluations that are left of those for `sliding`: then the garment is too tight.
 fn is_settled(
     scene: &Scene,
@@ -201,7 +201,7 @@ fn is_settled(
     let strain = Strain::of(cloth, positions, &gather_allowance(scene.pattern, cloth));
     let before = run.strain.replace(strain);
     let runs_left = sliding.saturating_sub(run.evaluations) as f64 / RUN_LENGTH as f64;
-    let too_tight = |before: f64, now: f64, limit: f64| now - runs_left * (before - now) > limit;
+    let too_tight = |before: f64, now: f64, limit: f64| now - 2.0 * runs_left * (before - now) > limit;
     let too_tight = before.is_some_and(|before| {
         too_tight(before.p99, strain.p99, LARGEST_STRAIN_P99)
             || too_tight(before.mean, strain.mean, LARGEST_STRAIN_MEAN)

@@ -8,10 +8,11 @@
 use super::problem::Relaxation;
 use super::{Event, Observer, Scene};
 use crate::arrangement::Arrangement;
+use crate::assess::cloth_intersections;
 use crate::contact::{BodyContact, BodyContactSettings};
 use crate::energy::{Energy, Hold, Stitches};
 use crate::garment::Level;
-use crate::geometry::Vector3;
+use crate::geometry::{Edge, EdgeTable, Vector3};
 use crate::minimize::{Iterate, Minimizer, Settings as Steps};
 use crate::pattern::{Pattern, SegmentLabel};
 
@@ -104,6 +105,45 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
     }
     observer.event(&Event::Sewn { open, evaluations, curvatures: minimizer.curvatures(), largest_gap });
     Sewn { positions, largest_gap, evaluations }
+}
+
+/// What went wrong with the seams, the worst first: compared in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Trouble {
+    /// Of the three that follow, how many there are.
+    kinds: usize,
+    /// Edges of the cloth that pass through the body: a limb comes out of it.
+    pierced: usize,
+    /// Pairs of triangles that cross once the seams are welded.
+    crossing: usize,
+    /// Seams that did not close.
+    open: usize,
+}
+
+/// An edge whose middle is deeper in the body than this does not just cut a curve short, m.
+const PIERCED: f64 = 0.01;
+/// A seam with a gap beyond this is open, m: welding it would pull its surroundings together.
+const OPEN: f64 = 2e-3;
+
+impl Trouble {
+    pub fn of(scene: &Scene, sewn: &Sewn) -> Self {
+        let open = &scene.garment.open;
+        let at = |p: u32| sewn.positions[p as usize];
+        let edges = EdgeTable::new(&open.particle_triangles()).edges;
+        let is_pierced = |edge: &&Edge| {
+            let [a, b] = edge.ends.map(at);
+            scene.field.distance((a + b) * 0.5) < -PIERCED
+        };
+        let pierced = edges.iter().filter(is_pierced).count();
+        let crossing = cloth_intersections(&scene.garment.levels[0], &scene.garment.weld(&sewn.positions)).len();
+        let open = open.stitches.iter().filter(|&&[a, b]| (at(a) - at(b)).norm() > OPEN).count();
+        let kinds = [pierced, crossing, open].iter().filter(|&&count| count > 0).count();
+        Self { kinds, pierced, crossing, open }
+    }
+
+    pub fn is_none(&self) -> bool {
+        self.kinds == 0
+    }
 }
 
 fn largest(lengths: &[f64]) -> f64 {

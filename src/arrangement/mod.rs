@@ -4,15 +4,31 @@
 //! the body the seam cannot close, or closes on the wrong side of a limb: shoulders whose panels
 //! start too low, sleeves that start beside their arm or at another angle. Each panel is therefore
 //! moved, rigidly and as little as possible, until the lines of its stitches are as clear of the
-//! body as they can be and no part of it starts inside (a pattern search; the automatic placement of
+//! body as they can be, no part of it starts inside, and hems and cuffs face what comes out of them (a pattern search; the automatic placement of
 //! Le Thanh and Gagalowicz 2005 has the same aim).
+
+mod motion;
+mod openings;
 
 use crate::Error;
 use crate::body::{Body, DistanceField};
 use crate::garment::{Level, PanelRange};
 use crate::geometry::{BoxTree, EdgeTable, UnionFind, Vector3, triangle_distance};
 use crate::pattern::Pattern;
+use motion::Motion;
+use nalgebra::Rotation3;
+use openings::{Arc, Core, arcs};
 use rayon::prelude::*;
+
+/// What the search for first positions looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Care {
+    /// The lines of the stitches: enough where a pattern was placed around its body.
+    Seams,
+    /// Besides, what hems and cuffs will be around; panels that lean are set upright. For those that start in the wrong
+    /// places, at half as much time again.
+    SeamsAndOpenings,
+}
 
 /// First positions, and how they differ from the pattern's own placement.
 pub struct Arrangement {
@@ -47,6 +63,10 @@ const RELATIVE_PRICE: f64 = 0.06;
 const FACING_ALIKE: f64 = 0.7;
 /// What a stitch costs whose partner comes to lie behind its rim, per metre.
 const OVERLAP_PRICE: f64 = 0.5;
+/// What it costs, for each particle of a panel's part of an opening, and per metre, that the body is not ahead of it.
+const OPENING_PRICE: f64 = 1.0;
+/// The middle of the part and that of the limb may be this far apart, m.
+const OPENING_SLACK: f64 = 0.015;
 /// Panels are not moved nearer to each other than this, m.
 const PANEL_CLEARANCE: f64 = 0.004;
 /// How often all panels are visited at one step length.
@@ -113,8 +133,8 @@ const FARTHEST_ASIDE: f64 = 0.5;
 /// Places the panels and moves them where the body is in the way of their seams.
 ///
 /// The field should know distances up to [`SIGHT_MARGIN`] outside the body.
-pub fn arrange(pattern: &Pattern, open: &Level, field: &DistanceField) -> Arrangement {
-    let search = Search::new(pattern, open, field);
+pub fn arrange(pattern: &Pattern, open: &Level, body: &Body, field: &DistanceField, care: Care) -> Arrangement {
+    let search = Search::new(pattern, open, body, field, care);
     let motions = search.run(pattern);
     let shifts = motions.iter().zip(&search.middles).map(|(motion, &middle)| motion.of(middle) - middle).collect();
     let mut positions = search.positions;
@@ -124,41 +144,13 @@ pub fn arrange(pattern: &Pattern, open: &Level, field: &DistanceField) -> Arrang
     Arrangement { positions, shifts }
 }
 
-/// A turn about the z axis, which looks from front to back, and a shift: `x ↦ R x + t`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Motion {
-    /// rad.
-    angle: f64,
-    /// m.
-    shift: Vector3,
-}
-
-impl Motion {
-    const NONE: Motion = Motion { angle: 0.0, shift: Vector3::new(0.0, 0.0, 0.0) };
-
-    fn turned(angle: f64, v: Vector3) -> Vector3 {
-        let (sin, cos) = angle.sin_cos();
-        Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
-    }
-
-    fn of(&self, point: Vector3) -> Vector3 {
-        Self::turned(self.angle, point) + self.shift
-    }
-
-    /// The point that this motion brings to `point`.
-    fn before(&self, point: Vector3) -> Vector3 {
-        Self::turned(-self.angle, point - self.shift)
-    }
-
-    /// This motion, then a turn about `center` and a shift.
-    fn then(&self, angle: f64, center: Vector3, by: Vector3) -> Self {
-        Self { angle: self.angle + angle, shift: Self::turned(angle, self.shift - center) + center + by }
-    }
-}
-
 struct Search<'a> {
     open: &'a Level,
     field: &'a DistanceField,
+    care: Care,
+    /// With the arcs of all openings, where these matter.
+    core: Option<Core>,
+    arcs: Vec<Arc>,
     /// As placed, m, world.
     positions: Vec<Vector3>,
     panel_of: Vec<usize>,
@@ -176,7 +168,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(pattern: &Pattern, open: &'a Level, field: &'a DistanceField) -> Self {
+    fn new(pattern: &Pattern, open: &'a Level, body: &Body, field: &'a DistanceField, care: Care) -> Self {
         let mut panel_of = vec![0; open.particle_count];
         for (panel, range) in open.panels.iter().enumerate() {
             panel_of[range.points.clone()].fill(panel);
@@ -204,23 +196,42 @@ impl<'a> Search<'a> {
         let trees = open.panels.iter().map(tree).collect();
         let off_panel = off_panel(open, &positions);
         let normals = pattern.panels.iter().map(|panel| panel.outward_normal()).collect();
-        Self { open, field, positions, panel_of, normals, off_panel, stitches, middles, reaches, trees }
+        let (core, arcs) = match care {
+            Care::Seams => (None, Vec::new()),
+            Care::SeamsAndOpenings => (Some(Core::new(body, field)), arcs(open, &panel_of, &positions)),
+        };
+        Self {
+            open,
+            field,
+            care,
+            core,
+            arcs,
+            positions,
+            panel_of,
+            normals,
+            off_panel,
+            stitches,
+            middles,
+            reaches,
+            trees,
+        }
     }
 
     /// Moves all panels together, then pairs of units that are sewn to each other, then single units.
     fn run(&self, pattern: &Pattern) -> Vec<Motion> {
         let count = pattern.panels.len();
-        let mut motions = vec![Motion::NONE; count];
+        let mut motions = vec![Motion::none(); count];
         let units = self.units();
         let mut groups: Vec<Vec<usize>> = vec![(0..count).collect()];
         groups.extend(self.pairs(&units));
+        let (first_unit, leans) = (groups.len(), self.care == Care::SeamsAndOpenings);
         groups.extend(units);
         for step in STEPS {
             for _ in 0..MOST_ROUNDS {
                 let mut moved = false;
-                for group in &groups {
+                for (k, group) in groups.iter().enumerate() {
                     let outward = pattern.panels[group[0]].outward_normal();
-                    moved |= self.improve(group, outward, step, &mut motions);
+                    moved |= self.improve(group, leans && k >= first_unit, outward, step, &mut motions);
                 }
                 if !moved {
                     break;
@@ -276,16 +287,21 @@ impl<'a> Search<'a> {
         pairs
     }
 
-    /// Moves a group of panels by one step if that pays.
-    fn improve(&self, group: &[usize], outward: Vector3, step: f64, motions: &mut [Motion]) -> bool {
+    /// Moves a group of panels by one step if that pays. What `leans` is turned about all axes.
+    fn improve(&self, group: &[usize], leans: bool, outward: Vector3, step: f64, motions: &mut [Motion]) -> bool {
         let start: Vec<Motion> = group.iter().map(|&p| motions[p]).collect();
         let center = group.iter().map(|&p| motions[p].of(self.middles[p])).sum::<Vector3>() / group.len() as f64;
-        let shifts = DIRECTIONS.map(Vector3::from).into_iter().chain([outward]).map(|d| (0.0, d * step));
-        let turns = [TURN * step, -TURN * step].map(|angle| (angle, Vector3::zeros()));
+        let still = Rotation3::identity();
+        let shifts = DIRECTIONS.map(Vector3::from).into_iter().chain([outward]).map(|d| (still, d * step));
+        // Groups of units turn as arms do, about the axis that looks from front to back; what leans lies in single ones.
+        let axes = [Vector3::z(), Vector3::x(), Vector3::y()];
+        let axes = &axes[..if leans { 3 } else { 1 }];
+        let angles = axes.iter().flat_map(|axis| [axis * TURN * step, -axis * TURN * step]);
+        let turns = angles.map(|angles| (Rotation3::new(angles), Vector3::zeros()));
         let too_far = |(m, &p): (&Motion, &usize)| {
-            (m.of(self.middles[p]) - self.middles[p]).norm() > FARTHEST || m.angle.abs() > FARTHEST_TURN
+            (m.of(self.middles[p]) - self.middles[p]).norm() > FARTHEST || m.turn.angle() > FARTHEST_TURN
         };
-        let trials = shifts.chain(turns).map(|(angle, by)| start.iter().map(|m| m.then(angle, center, by)).collect());
+        let trials = shifts.chain(turns).map(|(turn, by)| start.iter().map(|m| m.then(turn, center, by)).collect());
         let mut trials: Vec<Vec<Motion>> = trials.collect();
         trials.retain(|trial| !trial.iter().zip(group).any(too_far));
         let costs: Vec<f64> = trials
@@ -327,7 +343,20 @@ impl<'a> Search<'a> {
             let range = self.open.panels[panel].points.clone();
             cost += range.map(|p| self.depth(at(p as u32))).sum::<f64>();
         }
+        let ahead = self.core.iter().flat_map(|core| self.arcs.iter().map(move |arc| (core, arc)));
+        for (core, arc) in ahead.filter(|(_, arc)| group.contains(&arc.panel)) {
+            let motion = &motions[arc.panel];
+            let aside = core.aside(motion.of(arc.middle), self.inward(arc.panel), arc.reach) - OPENING_SLACK;
+            cost += OPENING_PRICE * arc.particles as f64 * aside.max(0.0);
+        }
         cost
+    }
+
+    /// Where the body lies, seen from a panel, whether or not it leans: along the axis nearest to its normal.
+    fn inward(&self, panel: usize) -> Vector3 {
+        let outward = self.normals[panel];
+        let axis = outward.iamax();
+        Vector3::from_fn(|k, _| if k == axis { -outward[axis].signum() } else { 0.0 })
     }
 
     /// How far the partner of a particle lies behind the rim of the particle's panel, m, beyond what the
@@ -340,8 +369,8 @@ impl<'a> Search<'a> {
         }
         let off = self.off_panel[particle as usize];
         let placed = self.positions[partner as usize] - self.positions[particle as usize];
-        let angle = motions[panel].angle;
-        let (placed, now) = ((-placed.dot(&off)).max(0.0), (-span.dot(&Motion::turned(angle, off))).max(0.0));
+        let turn = motions[panel].turn;
+        let (placed, now) = ((-placed.dot(&off)).max(0.0), (-span.dot(&(turn * off))).max(0.0));
         (now - placed).max(0.0)
     }
 
@@ -351,7 +380,7 @@ impl<'a> Search<'a> {
         group.iter().any(|&panel| {
             (0..motions.len()).filter(|q| !group.contains(q)).any(|other| {
                 let near = self.near(panel, other, &motions[panel], &motions[other]);
-                near > 0 && near > self.near(panel, other, &Motion::NONE, &Motion::NONE)
+                near > 0 && near > self.near(panel, other, &Motion::none(), &Motion::none())
             })
         })
     }
@@ -437,20 +466,10 @@ mod tests {
         let panels = vec![square("front", 0.55, 0.6), square("back", 0.55, -0.6)];
         let pattern = Pattern { name: "test".into(), panels, seams };
         let garment = Garment::build(&pattern, &[0.05]).unwrap();
-        let arrangement = arrange(&pattern, &garment.open, &DistanceField::new(&body, 0.012, SIGHT_MARGIN));
+        let arrangement =
+            arrange(&pattern, &garment.open, &body, &DistanceField::new(&body, 0.012, SIGHT_MARGIN), Care::Seams);
         for shift in arrangement.shifts {
             assert!((0.04..0.1).contains(&shift.y) && shift.x.abs() < 0.01, "{shift}");
         }
-    }
-
-    #[test]
-    fn motions_compose_and_invert() {
-        let center = Vector3::new(0.3, 1.0, 0.2);
-        let motion = Motion::NONE.then(0.2, center, Vector3::new(0.1, 0.0, 0.0)).then(-0.5, center, Vector3::y());
-        let point = Vector3::new(-0.2, 0.7, 0.4);
-        assert!((motion.before(motion.of(point)) - point).norm() < 1e-15);
-        let once = Motion::NONE.then(0.2, center, Vector3::new(0.1, 0.0, 0.0)).of(point);
-        let twice = Motion::turned(-0.5, once - center) + center + Vector3::y();
-        assert!((motion.of(point) - twice).norm() < 1e-15);
     }
 }
