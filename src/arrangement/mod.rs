@@ -4,8 +4,9 @@
 //! the body the seam cannot close, or closes on the wrong side of a limb: shoulders whose panels
 //! start too low, sleeves that start beside their arm or at another angle. Each panel is therefore
 //! moved, rigidly and as little as possible, until the lines of its stitches are as clear of the
-//! body as they can be, no part of it starts inside, and hems and cuffs face what comes out of them (a pattern search; the automatic placement of
-//! Le Thanh and Gagalowicz 2005 has the same aim).
+//! body as they can be and no part of it starts inside (a pattern search; the automatic placement of
+//! Le Thanh and Gagalowicz 2005 has the same aim). A search with more care also makes hems and cuffs face
+//! what comes out of them.
 
 mod motion;
 mod openings;

@@ -64,13 +64,9 @@ impl<O: Observer> Observer for Stopwatch<O> {
     fn event(&mut self, event: &Event) {
         match event {
             Event::Arranged { .. } => self.lap("start-up"),
-            Event::LevelStarted { level: 0, .. } => self.lap("sewing"),
+            Event::Sewn { .. } => self.lap("sewing"),
             Event::LevelDone { level, .. } => self.lap(format!("level {}", level + 1)),
-            Event::LevelStarted { .. }
-            | Event::Sewing { .. }
-            | Event::Sewn { .. }
-            | Event::Step { .. }
-            | Event::Checked { .. } => {}
+            Event::LevelStarted { .. } | Event::Sewing { .. } | Event::Step { .. } | Event::Checked { .. } => {}
         }
         self.inner.event(event);
     }

@@ -108,11 +108,14 @@ fn sew(
         let trouble = sewing::Trouble::of(scene, &sewn);
         (trouble, arrangement, sewn)
     };
-    let (trouble, arrangement, sewn) = with(Care::Seams);
+    let (trouble, arrangement, mut sewn) = with(Care::Seams);
     if trouble.is_none() {
         return (arrangement, sewn);
     }
-    let (other_trouble, other_arrangement, other_sewn) = with(Care::SeamsAndOpenings);
+    let (other_trouble, other_arrangement, mut other_sewn) = with(Care::SeamsAndOpenings);
+    // Both were paid for.
+    let evaluations = sewn.evaluations + other_sewn.evaluations;
+    (sewn.evaluations, other_sewn.evaluations) = (evaluations, evaluations);
     match other_trouble < trouble {
         true => (other_arrangement, other_sewn),
         false => (arrangement, sewn),

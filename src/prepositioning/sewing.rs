@@ -252,6 +252,13 @@ mod tests {
     }
 
     #[test]
+    fn fewer_kinds_of_trouble_are_better_than_less_of_each() {
+        let one = Trouble { kinds: 1, pierced: 0, crossing: 9, open: 0 };
+        let two = Trouble { kinds: 2, pierced: 1, crossing: 1, open: 0 };
+        assert!(one < two && Trouble { crossing: 10, ..one } > one && !one.is_none());
+    }
+
+    #[test]
     fn the_lag_is_that_of_the_stitch_farthest_behind() {
         let stitches = Stitches { pairs: vec![[0, 1], [1, 2]], lengths: vec![0.5, 3.0], stiffness: 1.0 };
         let at = |y: f64| vec![Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, y, 0.0)];

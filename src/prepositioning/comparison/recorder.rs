@@ -133,8 +133,11 @@ impl<'a> Recorder<'a> {
     fn record(&mut self, event: &Event, spent: Spent) {
         match *event {
             Event::Arranged { .. } => self.set_up = spent,
+            // Where panels are arranged a second time both attempts count.
             Event::Sewn { open, evaluations, curvatures, largest_gap } => {
                 let particles = open.particle_count;
+                let (evaluations, curvatures) =
+                    (evaluations + self.sewing.evaluations, curvatures + self.sewing.curvatures);
                 self.sewing = Sewing { particles, evaluations, curvatures, largest_gap, spent };
             }
             Event::Step { level, point } => {
