@@ -66,8 +66,9 @@ fn finer_levels_find_the_drape_of_the_coarser_ones() {
     let [coarse, fine] = outcome.levels.as_slice() else { panic!("two levels") };
     // The fabric is the same on every level: so is the garment's weight, and nearly so its height.
     assert!((fine.energies.gravity / coarse.energies.gravity - 1.0).abs() < 0.02);
-    // And what coarse triangles cannot fold they stretch: the energy falls as levels get finer.
-    assert!(fine.energies.total() < 1.002 * coarse.energies.total(), "{:?} {:?}", coarse.energies, fine.energies);
+    // And what coarse triangles cannot fold they stretch: the energy falls as levels get finer, but for what it costs
+    // that the finest alone is taken out of the body between its particles: 0.4 % at 18 mm.
+    assert!(fine.energies.total() < 1.006 * coarse.energies.total(), "{:?} {:?}", coarse.energies, fine.energies);
 }
 
 /// Mean distance of the particles of a fit at 5 mm from where a fit at 10 mm has the same places of the

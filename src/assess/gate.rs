@@ -33,7 +33,7 @@ pub fn hand_off(assessment: &Assessment) -> Vec<Check> {
         check("body_intersections", intersections.body_pairs as f64, 0.0),
         check("cloth_intersections", intersections.cloth_pairs as f64, 0.0),
         check("particles_inside", clearance.inside as f64, 0.0),
-        check("particles_too_near", clearance.too_near as f64, 0.0),
+        check("triangles_too_near", clearance.triangles_too_near as f64, 0.0),
         check("strain_p99", strain.p99, LARGEST_STRAIN_P99),
         check("strain_mean", strain.mean, LARGEST_STRAIN_MEAN),
     ]
@@ -49,7 +49,7 @@ mod tests {
             strain: Strain { p99: 0.3, ..Strain::default() },
             strain_less_gathers: Strain { mean: 0.01, p99: 0.05, ..Strain::default() },
             seams: SeamGaps { pairs: 10, largest: 1e-3, mean: 1e-4 },
-            clearance: Clearance { least: 0.001, inside: 0, too_near: 0 },
+            clearance: Clearance { least: 0.001, inside: 0, too_near: 0, least_of_cloth: 0.001, triangles_too_near: 0 },
             intersections: Intersections::default(),
         }
     }
@@ -71,7 +71,7 @@ mod tests {
         assert_eq!(failed(|a| a.intersections.body_pairs = 1), ["body_intersections"]);
         assert_eq!(failed(|a| a.intersections.cloth_pairs = 1), ["cloth_intersections"]);
         assert_eq!(failed(|a| a.clearance.inside = 1), ["particles_inside"]);
-        assert_eq!(failed(|a| a.clearance.too_near = 1), ["particles_too_near"]);
+        assert_eq!(failed(|a| a.clearance.triangles_too_near = 1), ["triangles_too_near"]);
         assert_eq!(failed(|a| a.strain_less_gathers.p99 = 0.051), ["strain_p99"]);
         assert_eq!(failed(|a| a.strain_less_gathers.mean = f64::NAN), ["strain_mean"]);
     }

@@ -1,9 +1,11 @@
 //! How good a state is: seams, strain, clearance, intersections. Nothing here changes anything.
 
+mod clearance;
 mod gate;
 mod intersections;
 mod strain;
 
+pub use clearance::{CLEARANCE_TOLERANCE, Clearance, near_triangles};
 pub use gate::{Check, LARGEST_SEAM_GAP, LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, hand_off};
 pub use intersections::{ClothCrossings, body_intersections, cloth_intersections};
 pub use strain::{Strain, gather_allowance, principal_stretches};
@@ -12,7 +14,6 @@ use crate::body::Body;
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::pattern::Pattern;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// What was measured on a state of one level.
@@ -35,17 +36,6 @@ pub struct SeamGaps {
     pub mean: f64,
 }
 
-/// Distances of the particles from the body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance {
-    /// The least, m, negative inside the body.
-    pub least: f64,
-    /// Particles inside the body.
-    pub inside: usize,
-    /// Particles nearer than the clearance asked for, less [`CLEARANCE_TOLERANCE`].
-    pub too_near: usize,
-}
-
 /// Triangles that cross each other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Intersections {
@@ -60,9 +50,6 @@ pub struct Intersections {
     pub by_panels: BTreeMap<(usize, Option<usize>), usize>,
 }
 
-/// How far below its clearance a particle may be and count as clear, m.
-pub const CLEARANCE_TOLERANCE: f64 = 1e-4;
-
 /// Measures the state `positions` of a level; `clearance` is what was asked for, m.
 pub fn assess(pattern: &Pattern, level: &Level, positions: &[Vector3], body: &Body, clearance: f64) -> Assessment {
     let allowance = strain::gather_allowance(pattern, level);
@@ -72,8 +59,9 @@ pub fn assess(pattern: &Pattern, level: &Level, positions: &[Vector3], body: &Bo
             || Strain::of(level, positions, &allowance),
         )
     };
-    let contacts =
-        || rayon::join(|| Clearance::of(positions, body, clearance), || Intersections::of(level, positions, body));
+    let contacts = || {
+        rayon::join(|| Clearance::of(level, positions, body, clearance), || Intersections::of(level, positions, body))
+    };
     let ((strain, strain_less_gathers), (clearance, intersections)) = rayon::join(strains, contacts);
     Assessment { strain, strain_less_gathers, seams: seam_gaps(level, positions), clearance, intersections }
 }
@@ -87,28 +75,6 @@ fn seam_gaps(level: &Level, positions: &[Vector3]) -> SeamGaps {
         .collect();
     let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
     SeamGaps { pairs: gaps.len(), largest: gaps.iter().copied().fold(0.0, f64::max), mean }
-}
-
-impl Clearance {
-    fn of(positions: &[Vector3], body: &Body, clearance: f64) -> Self {
-        // Only particles near the body decide; the others' distances are not worth an exact query.
-        let reach = clearance.max(0.0) + 0.005;
-        let distances: Vec<f64> = positions
-            .par_iter()
-            .with_min_len(256)
-            .map(|&p| {
-                let near = body.nearest(p, reach).map_or(reach, |n| n.distance);
-                if !body.contains(p) {
-                    return near;
-                }
-                -body.nearest(p, f64::INFINITY).map_or(0.0, |n| n.distance)
-            })
-            .collect();
-        let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        let inside = distances.iter().filter(|&&d| d < 0.0).count();
-        let too_near = distances.iter().filter(|&&d| d < clearance - CLEARANCE_TOLERANCE).count();
-        Self { least, inside, too_near }
-    }
 }
 
 impl Intersections {
@@ -198,14 +164,5 @@ mod tests {
         positions.iter_mut().for_each(|p| p.y -= 0.201);
         let found = Intersections::of(&level, &positions, &body);
         assert!(found.by_panels.contains_key(&(0, None)) && found.by_panels.contains_key(&(1, None)), "{found:?}");
-    }
-
-    #[test]
-    fn clearances_count_who_is_inside_and_who_is_too_near() {
-        let body = crate::body::shapes::ball();
-        let at = |height: f64| Vector3::new(0.0, height, 0.0);
-        let clearance = Clearance::of(&[at(1.1), at(1.002), at(1.00095), at(0.98)], &body, 0.001);
-        assert_eq!((clearance.inside, clearance.too_near), (1, 1), "{clearance:?}");
-        assert!((clearance.least + 0.02).abs() < 1e-4);
     }
 }

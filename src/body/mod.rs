@@ -8,7 +8,7 @@ mod winding;
 
 pub use distance_field::{DistanceField, STEEPEST, Sample};
 
-use crate::geometry::{BoxTree, Vector3, closest_on_triangle};
+use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};
 use crate::{Error, Warning};
 use skin::{Exposure, Skin};
 
@@ -81,6 +81,27 @@ impl Body {
         Some(Nearest { triangle, point: best(triangle)?, distance: squared.sqrt() })
     }
 
+    /// How far a triangle is from the skin, m, if that is no farther than `within`; zero if it crosses it.
+    pub fn distance_to_triangle(&self, triangle: [Vector3; 3], within: f64) -> Option<f64> {
+        let ([a, b, c], grown) = (triangle, Vector3::repeat(within.max(0.0)));
+        let mut least = f64::INFINITY;
+        let mut measure = |skin: [Vector3; 3]| {
+            if are_apart(skin, triangle, within.min(least)) {
+                return;
+            }
+            let crosses = triangles_intersect(triangle, skin);
+            least = least.min(if crosses { 0.0 } else { triangle_distance(triangle, skin) });
+        };
+        self.tree.for_each_meeting(a.inf(&b).inf(&c) - grown, a.sup(&b).sup(&c) + grown, |index| {
+            match self.skin.exposure(index) {
+                Exposure::Whole => measure(self.corners(index)),
+                Exposure::Hidden => {}
+                Exposure::Partly(range) => self.skin.pieces(range).iter().for_each(|&piece| measure(piece)),
+            }
+        });
+        (least <= within).then_some(least)
+    }
+
     /// The corners of all that is exposed: triangles, and pieces of those that are partly hidden.
     fn exposed(&self) -> Vec<[Vector3; 3]> {
         let mut exposed = Vec::with_capacity(self.triangles.len());
@@ -110,6 +131,15 @@ impl Body {
         let distance = self.nearest(point, f64::INFINITY).map_or(f64::INFINITY, |n| n.distance);
         if self.contains(point) { -distance } else { distance }
     }
+}
+
+/// Is all of the second triangle farther above or below the plane of the first than `within`, m? Most that are asked
+/// about are, and their distance need not be measured.
+fn are_apart([a, b, c]: [Vector3; 3], other: [Vector3; 3], within: f64) -> bool {
+    let normal = (b - a).cross(&(c - a));
+    let farthest = within * normal.norm() * (1.0 + 1e-9);
+    let heights = other.map(|p| (p - a).dot(&normal));
+    heights.iter().all(|&h| h > farthest) || heights.iter().all(|&h| h < -farthest)
 }
 
 #[cfg(test)]

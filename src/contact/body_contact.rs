@@ -426,6 +426,14 @@ impl<'a> BodyContact<'a> {
         }
     }
 
+    /// Asks particles to keep farther from the body, each by so much more than it does, m.
+    pub fn keep_farther(&mut self, more: impl IntoIterator<Item = (u32, f64)>) {
+        for (p, by) in more {
+            let extra = &mut self.extra[p as usize];
+            *extra = (*extra + by).min(MOST_EXTRA);
+        }
+    }
+
     /// Stiffness that contact adds to each particle's diagonal, N/m.
     pub fn diagonal(&self) -> f64 {
         self.settings.stiffness

@@ -168,6 +168,9 @@ pub struct ClearancePart {
     pub least_m: f64,
     pub particles_inside: usize,
     pub particles_too_near: usize,
+    /// The least distance of any point of the cloth, by exact distances of triangles; zero where some cross.
+    pub least_of_cloth_m: f64,
+    pub triangles_too_near: usize,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -347,6 +350,8 @@ fn assessment_part(pattern: &Pattern, assessment: &Assessment) -> AssessmentPart
             least_m: clearance.least,
             particles_inside: clearance.inside,
             particles_too_near: clearance.too_near,
+            least_of_cloth_m: clearance.least_of_cloth,
+            triangles_too_near: clearance.triangles_too_near,
         },
         intersections: IntersectionsPart {
             body_pairs: intersections.body_pairs,
@@ -431,7 +436,7 @@ mod tests {
             strain,
             strain_less_gathers: strain,
             seams: SeamGaps { pairs: 13, largest: 0.0, mean: 0.0 },
-            clearance: Clearance { least: 0.001, inside: 0, too_near: 0 },
+            clearance: Clearance { least: 0.001, inside: 0, too_near: 0, least_of_cloth: 0.001, triangles_too_near: 0 },
             intersections: Intersections {
                 cloth_pairs: 3,
                 by_panels: [((0, None), 2), ((0, Some(1)), 3)].into(),

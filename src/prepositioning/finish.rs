@@ -1,12 +1,13 @@
-//! The end of the finest level: nobody is left inside the clearance, and no part of the body comes
-//! through between the particles.
+//! The end of the finest level: no part of the cloth is left inside the clearance, neither particles nor what
+//! lies between them.
 
 use super::Scene;
 use super::problem::Relaxation;
-use crate::assess::body_intersections;
+use crate::assess::{CLEARANCE_TOLERANCE, body_intersections, near_triangles};
 use crate::contact::sag;
 use crate::geometry::Vector3;
 use crate::minimize::{Minimizer, Problem, Settings as Steps};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of holding, looking and widening.
 const MOST_ROUNDS: usize = 16;
@@ -16,6 +17,8 @@ const LEAST_WIDENING: f64 = 4e-4;
 const WIDENING_SHARE: f64 = 0.3;
 /// Evaluations that smooth what a round has moved.
 const EVALUATIONS_PER_ROUND: usize = 15;
+/// The same where nothing crosses the body and only fractions of a millimetre are missing.
+const EVALUATIONS_PER_GENTLE_ROUND: usize = 5;
 
 /// What clearing the body took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,7 +27,7 @@ pub struct Clearing {
     pub evaluations: usize,
 }
 
-/// Takes every particle out to its clearance and every triangle out of the body.
+/// Takes all of the cloth out to its clearance: particles, and whatever of the body comes nearer between them.
 pub fn clear_body(
     scene: &Scene,
     level: usize,
@@ -34,26 +37,51 @@ pub fn clear_body(
 ) -> Clearing {
     let cloth = &scene.garment.levels[level];
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(cloth) };
+    let gentle_steps = Steps { evaluations: EVALUATIONS_PER_GENTLE_ROUND, ..steps };
     let widening = LEAST_WIDENING.max(WIDENING_SHARE * sag(cloth.resolution));
+    // Halfway between what is asked for and what is let pass.
+    let enough = scene.settings.clearance - 0.5 * CLEARANCE_TOLERANCE;
     let mut clearing = Clearing::default();
     for _ in 0..MOST_ROUNDS {
         clearing.moved |= hold(problem, positions);
-        let pierced = body_intersections(cloth, positions, scene.body);
-        if pierced.is_empty() {
+        let near = too_near(scene, level, positions);
+        if near.is_empty() {
             return clearing;
         }
-        let mut particles: Vec<u32> = pierced.iter().flat_map(|&[t, _]| cloth.particles(t as usize)).collect();
-        particles.sort_unstable();
-        particles.dedup();
-        problem.body.widen(particles, widening);
+        // By particle, what is missing most of the triangles around it.
+        let (mut missing, mut pierced) = (BTreeMap::<u32, f64>::new(), BTreeSet::new());
+        for (t, distance) in near {
+            for p in cloth.particles(t as usize) {
+                if distance > 0.0 {
+                    let most = missing.entry(p).or_default();
+                    *most = most.max(enough - distance);
+                } else {
+                    pierced.insert(p);
+                }
+            }
+        }
+        let gentle = pierced.is_empty();
+        missing.retain(|p, _| !pierced.contains(p));
+        problem.body.keep_farther(missing);
+        problem.body.widen(pierced, widening);
         hold(problem, positions);
-        clearing.evaluations += minimizer.run(problem, positions, &steps, |_| false).2;
+        let steps = if gentle { &gentle_steps } else { &steps };
+        clearing.evaluations += minimizer.run(problem, positions, steps, |_| false).2;
         problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
         problem.body.correct(positions);
         clearing.moved = true;
     }
     hold(problem, positions);
     clearing
+}
+
+/// Triangles nearer to the body than the clearance, with their distances, m: zero for those that cross it.
+fn too_near(scene: &Scene, level: usize, positions: &[Vector3]) -> Vec<(u32, f64)> {
+    let cloth = &scene.garment.levels[level];
+    let mut near = near_triangles(cloth, positions, scene.body, scene.settings.clearance - CLEARANCE_TOLERANCE);
+    // What is hidden in the body keeps nothing at a distance, but it is not to be crossed.
+    near.extend(body_intersections(cloth, positions, scene.body).iter().map(|&[t, _]| (t, 0.0)));
+    near
 }
 
 /// Is no particle in the body, and no triangle across its surface?
