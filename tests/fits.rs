@@ -59,6 +59,14 @@ fn the_embedded_garments_are_ready_for_hand_off_and_stay_where_they_are_worn() {
     }
 }
 
+/// Stitches once pulled harder than contact with soft cloth pushed: a jersey's sleeves closed through the arms.
+#[test]
+fn the_seams_of_soft_cloth_close() {
+    let fabric = Fabric::named("cotton_jersey").unwrap();
+    let outcome = preposition(&pattern(embedded::TEE), &fabric, &body(), &levels(), &mut ()).unwrap();
+    assert!(outcome.welded_gap < 1e-3, "{} mm", outcome.welded_gap * 1e3);
+}
+
 #[test]
 fn finer_levels_find_the_drape_of_the_coarser_ones() {
     let pattern = pattern(embedded::TEE);

@@ -132,7 +132,7 @@ const RESTART_AFTER: usize = 200;
 /// Clearance between layers of cloth, in resolutions, where the fabric is thinner.
 const SELF_CLEARANCE: f64 = 0.1;
 /// Stiffness of cloth against cloth over that of cloth against the body.
-const SELF_STIFFNESS: f64 = 0.4;
+pub(super) const SELF_STIFFNESS: f64 = 0.4;
 /// Pairs nearer than this, in resolutions, are followed: less than the height of a triangle, so that
 /// flat cloth has none.
 const SELF_REACH: f64 = 0.7;

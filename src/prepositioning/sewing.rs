@@ -6,6 +6,7 @@
 //! garment outwards.
 
 use super::problem::Relaxation;
+use super::settings::SELF_STIFFNESS;
 use super::{Event, Observer, Scene};
 use crate::arrangement::Arrangement;
 use crate::assess::cloth_intersections;
@@ -15,12 +16,15 @@ use crate::garment::Level;
 use crate::geometry::{Edge, EdgeTable, Vector3};
 use crate::minimize::{Iterate, Minimizer, Settings as Steps};
 use crate::pattern::{Pattern, SegmentLabel};
+use std::ops::Range;
 
 /// Steps in which the seams close.
 const CLOSING_STEPS: usize = 12;
 /// Stiffness of a stitch while the seams close, N/m: with the largest lag a newton, ten times the
 /// weight of a sleeve, a tenth of what strains cloth by a per cent.
 const CLOSING_STIFFNESS: f64 = 50.0;
+/// Contact is at least this stiff meanwhile, N/m: ten times a stitch, or seams of soft cloth close through a limb.
+const LEAST_CONTACT_STIFFNESS: f64 = 500.0;
 /// At the end the stiffness grows by this factor in each of some steps, until the gaps are gone.
 const TIGHTENING: f64 = 3.0;
 const MOST_TIGHTENING_STEPS: usize = 6;
@@ -174,25 +178,26 @@ impl Gain {
 
 fn problem<'a>(scene: &Scene<'a>, positions: &[Vector3]) -> Relaxation<'a> {
     let (settings, open) = (scene.settings, &scene.garment.open);
-    let mut energy = Energy::new(open, scene.fabric, settings.model);
+    let mut energy = Energy::new(open, scene.cut, settings.model);
     energy.gravity = 0.0;
     energy.holds = holds(scene.pattern, open, positions);
     let contact = BodyContactSettings {
         clearance: settings.clearance - SHRINKAGE,
-        stiffness: settings.contact_stiffness(scene.fabric),
+        stiffness: settings.contact_stiffness(scene.fabric).max(LEAST_CONTACT_STIFFNESS),
         friction: 0.0,
     };
     let contact = BodyContact::new(scene.body, scene.field, open, contact);
     // Particles that will be sewn to one are neighbours already.
     let classes = scene.garment.levels[0].particle_of.clone();
-    let cloth = settings.self_contact(open, classes, scene.fabric, positions);
+    let mut cloth = settings.self_contact(open, classes, scene.fabric, positions);
+    cloth.settings.stiffness = cloth.settings.stiffness.max(SELF_STIFFNESS * LEAST_CONTACT_STIFFNESS);
     Relaxation::new(energy, contact, cloth)
 }
 
 /// What keeps the garment from sinking while its shoulders are still open: its waist line and
 /// collars, or what is uppermost where the pattern names no collar.
 fn holds(pattern: &Pattern, open: &Level, positions: &[Vector3]) -> Vec<Hold> {
-    let held = |label| hold(pattern, open, label, positions);
+    let held = |label| hold(pattern, open, 0..pattern.panels.len(), label, positions);
     let upper: Vec<Hold> = [SegmentLabel::Collar, SegmentLabel::StraplessTop].into_iter().filter_map(held).collect();
     let mut holds: Vec<Hold> = held(SegmentLabel::LowerInterface).into_iter().collect();
     if upper.is_empty() {
@@ -204,11 +209,17 @@ fn holds(pattern: &Pattern, open: &Level, positions: &[Vector3]) -> Vec<Hold> {
     holds
 }
 
-/// A hold on the particles along all segments with a label, at their present mean height.
-pub fn hold(pattern: &Pattern, level: &Level, label: SegmentLabel, positions: &[Vector3]) -> Option<Hold> {
+/// A hold on the particles along all segments of some panels with a label, at their present mean height.
+pub fn hold(
+    pattern: &Pattern,
+    level: &Level,
+    panels: Range<usize>,
+    label: SegmentLabel,
+    positions: &[Vector3],
+) -> Option<Hold> {
     let mut particles: Vec<u32> = Vec::new();
-    for (panel, segments) in pattern.panels.iter().zip(&level.segments) {
-        for (segment, points) in panel.segments.iter().zip(segments) {
+    for panel in panels {
+        for (segment, points) in pattern.panels[panel].segments.iter().zip(&level.segments[panel]) {
             if segment.label == Some(label) {
                 particles.extend(points.iter().map(|&p| level.particle_of[p as usize]));
             }
