@@ -167,7 +167,52 @@ fn a_garment_that_is_too_tight_is_written_with_status_4() {
     let output = bench.fit("small.json", "body.obj", "out", &["--resolution", "40 mm"]);
     assert_eq!(status(&output), 4, "{}", talk(&output));
     assert!(talk(&output).contains("Not ready for hand-off"));
-    assert_eq!(files(&bench.path("out")).len(), FILES.len());
+    // What is too tight is named, with its place.
+    let told = talk(&output);
+    let place = told.lines().find(|line| line.starts_with("warning: panel")).expect("a panel is too tight");
+    assert!(place.contains("bears, 5.0 %") && place.contains("above the floor"), "{place}");
+    // And what crosses, if anything does, is in a picture.
+    let written = files(&bench.path("out"));
+    let report: Value = serde_json::from_slice(&written["report.json"]).unwrap();
+    let crossings = &report["assessment"]["intersections"];
+    let clean = crossings["body_pairs"] == 0 && crossings["cloth_pairs"] == 0;
+    assert_eq!(written.contains_key("crossings.png"), !clean, "{crossings}");
+    assert!(FILES.iter().all(|file| written.contains_key(*file)));
+    assert!(!report["tight"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn several_garments_have_a_folder_each_and_one_can_be_worn_over_what_was_fitted_before() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("dress.json"), embedded::DRESS).unwrap();
+    let [tee, dress, body, out] = ["tee.json", "dress.json", "body.obj", "out"].map(|name| bench.text(name));
+    let fit = |more: &[&str]| toile(&[&["fit"], more, &["--body", &body, "--resolution", "40 mm"]].concat());
+    let output = fit(&[&tee, &tee, "--out", &out, "--fabric", "cotton_jersey, wool_suiting"]);
+    assert!([0, 4].contains(&status(&output)), "{}", talk(&output));
+    assert!(talk(&output).contains("All together: no crossings between garments"), "{}", talk(&output));
+    for folder in ["tee", "tee-2"] {
+        let written = files(&bench.path("out").join(folder));
+        assert!(FILES.iter().all(|file| written.contains_key(*file)), "{folder}: {:?}", written.keys());
+    }
+    let json = |file: &str| serde_json::from_slice::<Value>(&std::fs::read(bench.path(file)).unwrap()).unwrap();
+    let outfit = json("out/outfit.json");
+    assert_eq!((&outfit["format"], &outfit["garments"][1]["folder"]), (&"toile outfit".into(), &"tee-2".into()));
+    assert!(bench.path("out/preview.png").exists());
+    assert_eq!(json("out/tee-2/report.json")["fabric"]["name"], "wool_suiting");
+
+    let (alone, over) = (bench.text("alone"), bench.text("over"));
+    assert!([0, 4].contains(&status(&fit(&[&tee, "--out", &alone]))));
+    let output = fit(&[&dress, "--over", &alone, "--out", &over]);
+    assert!([0, 4].contains(&status(&output)), "{}", talk(&output));
+    let report = json("over/report.json");
+    assert_eq!(report["inputs"]["body"]["wears"][0]["name"], "tee");
+    assert_eq!(report["assessment"]["intersections"]["body_pairs"], 0);
+
+    let output = fit(&[&tee, &dress, "--out", &out, "--fabric", "neutral,denim_11oz,linen"]);
+    assert_eq!(status(&output), 2, "{}", talk(&output));
+    assert!(talk(&output).contains("3 fabrics are listed for 2 garments"), "{}", talk(&output));
+    let output = fit(&[&tee, "--over", &tee, "--out", &out]);
+    assert_eq!(status(&output), 3, "{}", talk(&output));
 }
 
 /// One way to give bad input.

@@ -1,12 +1,14 @@
 //! The body: the closed surface to dress, and how far a point is from it.
 
 mod distance_field;
+mod dressed;
 pub mod mannequin;
 mod skin;
 mod validate;
 mod winding;
 
 pub use distance_field::{DistanceField, STEEPEST, Sample};
+pub use dressed::Enclosure;
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};
 use crate::{Error, Warning};

@@ -113,7 +113,7 @@ fn check_closed(triangles: &[[u32; 3]]) -> Result<(), Error> {
     ))
 }
 
-fn volume(positions: &[Vector3], triangles: &[[u32; 3]]) -> f64 {
+pub fn volume(positions: &[Vector3], triangles: &[[u32; 3]]) -> f64 {
     let corner = |v: u32| positions[v as usize];
     triangles.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0).sum()
 }

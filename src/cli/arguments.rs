@@ -50,12 +50,17 @@ pub enum Garment {
 
 #[derive(Args, Debug)]
 pub struct Fit {
-    /// Sewing pattern, a GarmentCode JSON file
-    pub pattern: PathBuf,
+    /// Sewing patterns, GarmentCode JSON files; several are worn one over the other, the innermost first
+    #[arg(required = true, value_name = "PATTERN")]
+    pub patterns: Vec<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: PathBuf,
-    /// Folder for the results, made if it is not there
+    /// Garment that the body wears already: the folder of an earlier fit, or its state.toile; may be given several
+    /// times, the innermost first
+    #[arg(long, value_name = "DIR")]
+    pub over: Vec<PathBuf>,
+    /// Folder for the results, made if it is not there; of several garments each has a folder in it
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     #[command(flatten)]
@@ -128,7 +133,7 @@ pub struct Solving {
     /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
     #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
     pub levels: Option<String>,
-    /// Name of a fabric, or path of a fabric file (TOML) [default: neutral]
+    /// Name of a fabric, or path of a fabric file (TOML); for several garments one for all or a list [default: neutral]
     #[arg(long, value_name = "NAME|FILE")]
     pub fabric: Option<String>,
     /// Distance to be kept from the body [default: "0.7 mm"]

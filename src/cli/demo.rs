@@ -16,5 +16,5 @@ pub fn run(asked: &Demo) -> Result<Status, Failure> {
     };
     let pattern = PatternInput::parse(text.to_owned(), name, "the embedded pattern")?;
     let body = BodyInput::parse(embedded::MANNEQUIN_OBJ, "mannequin")?;
-    fit::fit(&pattern, &body, &settings, &asked.solving, &asked.out, started)
+    fit::fit(&[pattern], &body, &settings, &asked.solving, &asked.out, started)
 }

@@ -1,16 +1,17 @@
-//! `toile fit`: a pattern, a body, and the folder that holds the fitted garment afterwards.
+//! `toile fit`: patterns, a body, and the folder that holds the fitted garments afterwards.
 
 use super::arguments::{Fit, Progress, Solving, wants_equilibrium};
-use super::inputs::{BodyInput, PatternInput, fabric, settings_text, tell};
+use super::inputs::{BodyInput, PatternInput, fabrics, settings_text, tell};
 use super::progress::Watcher;
 use super::stopwatch::Stopwatch;
-use super::{Failure, Status, results};
-use crate::Error;
-use crate::assess::hand_off;
+use super::{Failure, Status, complaint, results};
+use crate::assess::{Tight, hand_off};
 use crate::io::process;
 use crate::io::report::{Host, Solve};
 use crate::minimize::Termination;
-use crate::prepositioning::{Outcome, Settings, preposition};
+use crate::pattern::{Fabric, Pattern};
+use crate::prepositioning::{Outcome, Outfit, Settings, preposition_outfit};
+use crate::{Error, Warning};
 use std::path::Path;
 use std::time::Instant;
 
@@ -18,30 +19,43 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
-    let pattern = PatternInput::open(&asked.pattern)?;
-    let body = BodyInput::open(&asked.body)?;
-    fit(&pattern, &body, &settings, &asked.solving, &asked.out, started)
+    let patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
+    let mut body = BodyInput::open(&asked.body)?;
+    asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
+    fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)
 }
 
 /// Fits on the threads that were started, writes the results into `out`, and tells how it went.
 pub fn fit(
-    pattern: &PatternInput,
+    patterns: &[PatternInput],
     body: &BodyInput,
     settings: &Settings,
     solving: &Solving,
     out: &Path,
     started: Instant,
 ) -> Result<Status, Failure> {
-    let fabric = fabric(solving.fabric.as_deref())?;
+    let fabrics = fabrics(solving.fabric.as_deref(), patterns.len())?;
+    let folders = results::folders(out, patterns);
     // Better to know now than after the work that the results cannot be written.
-    results::prepare(out)?;
+    folders.iter().try_for_each(|folder| results::prepare(folder))?;
     let silent = solving.progress == Progress::None;
-    let warnings: Vec<_> = pattern.warnings.iter().chain(&body.warnings).collect();
-    let warnings = tell(&warnings, silent);
+    let told: Vec<Vec<String>> = patterns
+        .iter()
+        .zip(0..)
+        .map(|(pattern, k)| {
+            // What is doubtful about the body is told once.
+            let of_body = body.warnings.iter().filter(|_| k == 0);
+            tell(&pattern.warnings.iter().chain(of_body).collect::<Vec<_>>(), silent)
+        })
+        .collect();
 
     let mut stopwatch = Stopwatch::start(Watcher::new(solving.progress));
-    let outcome = preposition(&pattern.pattern, &fabric, &body.body, settings, &mut stopwatch)
-        .map_err(|e| e.within(&pattern.place))?;
+    let garments: Vec<(&Pattern, &Fabric)> = patterns.iter().map(|p| &p.pattern).zip(&fabrics).collect();
+    let settings = &over_what_is_worn(settings, body, &fabrics[0]);
+    let outfit = preposition_outfit(&garments, &body.body, settings, &mut stopwatch).map_err(|e| match patterns {
+        [only] => e.within(&only.place),
+        _ => e,
+    })?;
     let (watcher, stages) = stopwatch.stop();
     let solve = Solve {
         stages: [body.stage.clone()].into_iter().chain(stages).collect(),
@@ -57,20 +71,47 @@ pub fn fit(
         cpu: process::cpu_name(),
         system: process::system_name(),
     };
-    let run = results::Run {
-        pattern,
-        body,
-        fabric: &fabric,
-        settings,
-        warnings: &warnings,
-        outcome: &outcome,
-        solve: &solve,
-    };
-    let host = results::write(&run, out, host)?;
-    if solving.progress != Progress::None {
-        eprintln!("{}", summary(&outcome, settings, &host, out));
+    let mut statuses = Vec::new();
+    for (k, folder) in folders.iter().enumerate() {
+        let outcome = &outfit.garments[k];
+        let run = results::Run {
+            pattern: &patterns[k],
+            body,
+            fabric: &fabrics[k],
+            settings,
+            warnings: &told[k],
+            outcome,
+            solve: &solve,
+        };
+        let host = results::write(&run, folder, host)?;
+        if !silent {
+            let name = if patterns.len() > 1 { format!("{}: ", patterns[k].pattern.name) } else { String::new() };
+            eprintln!("{name}{}", summary(outcome, settings, &host, folder));
+        }
+        if !silent {
+            let fabric = &fabrics[k];
+            tight_warnings(outcome, &patterns[k].pattern, fabric, body).iter().for_each(complaint::print_warning);
+        }
+        statuses.push(status(outcome, settings));
     }
-    Ok(status(&outcome, settings))
+    if patterns.len() > 1 {
+        results::write_outfit(patterns, &folders, body, &outfit, out)?;
+        if !silent {
+            eprintln!("{}", layers_summary(&outfit, out));
+        }
+        if outfit.layers.pairs() > 0 {
+            statuses.push(Status::GateFailed);
+        }
+    }
+    // Of several ends the one that promises least.
+    let worst = [Status::BudgetSpent, Status::GateFailed].into_iter().find(|status| statuses.contains(status));
+    Ok(worst.unwrap_or(Status::Fine))
+}
+
+/// The settings for the innermost garment: it keeps from what the body wears what two fabrics keep from each other.
+fn over_what_is_worn(settings: &Settings, body: &BodyInput, fabric: &Fabric) -> Settings {
+    let between = body.worn.iter().map(|worn| 0.5 * (worn.thickness + fabric.thickness)).fold(0.0, f64::max);
+    Settings { clearance: settings.clearance.max(between), ..settings.clone() }
 }
 
 /// Makes the threads that everything parallel runs on; returns how many. To be called before anything is read:
@@ -130,6 +171,47 @@ fn summary(outcome: &Outcome, settings: &Settings, host: &Host, out: &Path) -> S
         out.display()
     ));
     lines.join("\n")
+}
+
+/// What is too tight, panel by panel, and where.
+fn tight_warnings(outcome: &Outcome, pattern: &Pattern, fabric: &Fabric, body: &BodyInput) -> Vec<Warning> {
+    let (low, high) = body.body.bounds();
+    let middle = (low + high) * 0.5;
+    let warning = |tight: &Tight| {
+        let side = if tight.place.z > middle.z { "front" } else { "back" };
+        let beside = tight.place.x - middle.x;
+        let hand = if beside > 0.0 { "left" } else { "right" };
+        Warning(
+            Error::new(
+                format!(
+                    "{:.0} % of it is stretched by more than {} bears, {:.1} % ({:.1} % at most): {:.2} m above the floor, \
+                     at the {side}, {:.2} m to the {hand}.",
+                    100.0 * tight.share,
+                    fabric.name,
+                    100.0 * fabric.stretch_limit,
+                    100.0 * tight.largest,
+                    tight.place.y - low.y,
+                    beside.abs(),
+                ),
+                "The body is larger than the garment there: take a larger size or another body, or a fabric that stretches.",
+            )
+            .within(format!("panel \"{}\"", pattern.panels[tight.panel].name)),
+        )
+    };
+    outcome.tight.iter().map(warning).collect()
+}
+
+/// How the garments lie on one another.
+fn layers_summary(outfit: &Outfit, out: &Path) -> String {
+    let crossings = match outfit.layers.pairs() {
+        0 => "no crossings between garments".to_owned(),
+        pairs => format!("NOT READY: {pairs} pairs of triangles cross between garments"),
+    };
+    let nearest = match outfit.layers.least_distance {
+        Some(distance) => format!("the nearest are {:.2} mm apart", distance * 1e3),
+        None => "they lie apart".to_owned(),
+    };
+    format!("All together: {crossings}; {nearest}; {}", out.display())
 }
 
 impl From<Failure> for Error {

@@ -5,7 +5,7 @@ use super::stopwatch::Moment;
 use super::{Failure, complaint};
 use crate::body::Body;
 use crate::io::report::Stage;
-use crate::io::{body_obj, fabric_toml, garmentcode, read};
+use crate::io::{body_obj, fabric_toml, garmentcode, read, state};
 use crate::pattern::{Fabric, Pattern};
 use crate::{Error, Warning};
 use std::path::Path;
@@ -41,6 +41,16 @@ pub struct BodyInput {
     pub warnings: Vec<Warning>,
     /// What it took to make the body of its mesh.
     pub stage: Stage,
+    /// What it wears, innermost first.
+    pub worn: Vec<WornInput>,
+}
+
+/// A garment that the body wears already.
+pub struct WornInput {
+    pub name: String,
+    pub sha256: String,
+    /// Of its fabric, m.
+    pub thickness: f64,
 }
 
 impl BodyInput {
@@ -54,13 +64,55 @@ impl BodyInput {
         let start = Moment::now();
         let (body, warnings) = Body::new(positions, triangles)?;
         let stage = start.stage("body");
-        Ok(Self { body, name: name.to_owned(), sha256: read::sha256_hex(bytes), warnings, stage })
+        let sha256 = read::sha256_hex(bytes);
+        Ok(Self { body, name: name.to_owned(), sha256, warnings, stage, worn: Vec::new() })
+    }
+
+    /// Puts on a garment that was fitted before: the folder of its results, or its state.
+    pub fn put_on(&mut self, path: &Path) -> Result<(), Error> {
+        let file = if path.is_dir() { path.join("state.toile") } else { path.to_owned() };
+        let bytes = read::bytes(&file)?;
+        let within = |e: Error| e.within(file.display());
+        let state = state::read(&bytes).map_err(within)?;
+        let (_, garment) = state.rebuild().map_err(within)?;
+        if state.body_sha256 != self.sha256 {
+            self.warnings.push(Warning(
+                Error::new(
+                    format!("It was fitted on another body, \"{}\".", state.body_name),
+                    "Fit it on this body first, unless the two are the same in place and shape.",
+                )
+                .within(file.display()),
+            ));
+        }
+        let finest = garment.levels.last().expect("a garment has at least one level");
+        self.body = self.body.dressed(&state.positions, &finest.particle_triangles());
+        let sha256 = read::sha256_hex(&bytes);
+        self.worn.push(WornInput { name: state.pattern_name, sha256, thickness: state.fabric.thickness });
+        Ok(())
     }
 }
 
 /// The name of a file without its folder and its ending.
 fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The fabrics asked for, one for each garment: either one for all of them or a list with commas between.
+pub fn fabrics(asked: Option<&str>, garments: usize) -> Result<Vec<Fabric>, Failure> {
+    let Some(list) = asked.filter(|list| garments > 1 && list.contains(',')) else {
+        return Ok(vec![fabric(asked)?; garments]);
+    };
+    let named: Vec<&str> = list.split(',').map(str::trim).collect();
+    if named.len() != garments {
+        return Err(Failure::Usage(
+            Error::new(
+                format!("{} fabrics are listed for {garments} garments.", named.len()),
+                "Give one for all, or one for each in the order of the patterns.",
+            )
+            .within("--fabric"),
+        ));
+    }
+    named.into_iter().map(|one| fabric(Some(one))).collect()
 }
 
 /// The fabric asked for: a file if the word looks like one, else a preset.

@@ -74,6 +74,11 @@ impl Observer for Watcher {
 
 fn show(bar: &ProgressBar, event: &Event) {
     match event {
+        Event::GarmentStarted { .. } | Event::TogetherStarted { .. } => {
+            if let Some(line) = line(event) {
+                bar.println(line);
+            }
+        }
         Event::Arranged { .. } | Event::Sewn { .. } | Event::Checked { .. } => {}
         Event::Sewing { step, closing_steps, largest_gap, .. } => {
             bar.set_length(*closing_steps as u64);
@@ -98,6 +103,10 @@ fn show(bar: &ProgressBar, event: &Event) {
 /// An event as a line, if it deserves one.
 fn line(event: &Event) -> Option<String> {
     match event {
+        Event::GarmentStarted { garment, garments, name } => {
+            Some(format!("garment {} of {garments}: {name}", garment + 1))
+        }
+        Event::TogetherStarted { garments } => Some(format!("all {garments} garments together")),
         Event::Arranged { shifts } => {
             let farthest = shifts.iter().map(|s| s.norm()).fold(0.0, f64::max);
             Some(format!("arranged {} panels, moved by {:.0} mm at most", shifts.len(), farthest * 1e3))
@@ -121,6 +130,10 @@ fn line(event: &Event) -> Option<String> {
 /// An event as a JSON object, if it deserves one; `last` remembers the evaluations of the last step told.
 fn value(event: &Event, last: &mut usize) -> Option<serde_json::Value> {
     match event {
+        Event::GarmentStarted { garment, garments, name } => {
+            Some(json!({"event": "garment_started", "garment": garment, "garments": garments, "name": name}))
+        }
+        Event::TogetherStarted { garments } => Some(json!({"event": "together_started", "garments": garments})),
         Event::Arranged { shifts } => {
             let shifts: Vec<[f64; 3]> = shifts.iter().map(|s| [s.x, s.y, s.z]).collect();
             Some(json!({"event": "arranged", "shifts_m": shifts}))

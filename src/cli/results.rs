@@ -3,15 +3,19 @@
 use super::inputs::{BodyInput, PatternInput};
 use crate::Error;
 use crate::assess::principal_stretches;
+use crate::garment::Level;
 use crate::geometry::Vector3;
-use crate::io::picture::{BodyView, Curve, CurvePoint, GarmentView, StrainField, convergence, preview, strain};
+use crate::io::outfit_report::{OutfitGarment, outfit_report};
+use crate::io::picture::{
+    BodyView, Curve, CurvePoint, GarmentView, StrainField, convergence, crossings, preview, strain,
+};
 use crate::io::report::{Host, RunFacts, Solve, report, to_json};
 use crate::io::state::{self, State};
 use crate::io::{atomic, garment_obj, glb};
 use crate::pattern::Fabric;
-use crate::prepositioning::{Outcome, Settings};
+use crate::prepositioning::{Outcome, Outfit, Settings};
 use nalgebra::Point3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What the results tell of.
 pub struct Run<'a> {
@@ -22,6 +26,20 @@ pub struct Run<'a> {
     pub warnings: &'a [String],
     pub outcome: &'a Outcome,
     pub solve: &'a Solve,
+}
+
+/// The folder of each garment: `out` itself for one alone, else folders in it that are named like the patterns.
+pub fn folders(out: &Path, patterns: &[PatternInput]) -> Vec<PathBuf> {
+    let [_, _, ..] = patterns else { return vec![out.to_owned()] };
+    let mut names: Vec<String> = Vec::new();
+    for pattern in patterns {
+        let name = &pattern.pattern.name;
+        // A pattern that is worn twice, or another one of the same name.
+        let numbered = |n: usize| if n == 1 { name.clone() } else { format!("{name}-{n}") };
+        let free = (1..).map(numbered).find(|name| !names.contains(name));
+        names.push(free.expect("there are more numbers than garments"));
+    }
+    names.iter().map(|name| out.join(name)).collect()
 }
 
 /// Makes the folder if it is not there.
@@ -45,6 +63,7 @@ pub fn write(run: &Run, out: &Path, host: impl Fn() -> Host) -> Result<Host, Err
     atomic::write(&out.join("preview.png"), &preview(&pictures.garment(), &pictures.body()))?;
     let field = StrainField::PerTriangle(&pictures.strain);
     atomic::write(&out.join("strain.png"), &strain(&pictures.garment(), &pictures.body(), field))?;
+    write_crossings(out, &pictures.garment(), &pictures.body(), &outcome.assessment.intersections.triangles)?;
     atomic::write(&out.join("convergence.svg"), curves(outcome).as_bytes())?;
     let host = host();
     let facts = RunFacts {
@@ -52,6 +71,7 @@ pub fn write(run: &Run, out: &Path, host: impl Fn() -> Host) -> Result<Host, Err
         pattern_sha256: &run.pattern.sha256,
         body_name: &run.body.name,
         body_sha256: &run.body.sha256,
+        worn: run.body.worn.iter().map(|worn| [worn.name.as_str(), worn.sha256.as_str()]).collect(),
         fabric: run.fabric,
         settings: run.settings,
         warnings: run.warnings,
@@ -76,6 +96,54 @@ fn state_of(run: &Run) -> State {
         positions: run.outcome.positions.clone(),
         shifts: run.outcome.shifts.clone(),
     }
+}
+
+/// A picture of what crosses, where something does; one of an earlier run would be misleading where nothing does.
+fn write_crossings(out: &Path, garment: &GarmentView, body: &BodyView, crossing: &[u32]) -> Result<(), Error> {
+    let file = out.join("crossings.png");
+    if !crossing.is_empty() {
+        return atomic::write(&file, &crossings(garment, body, crossing));
+    }
+    match std::fs::remove_file(&file) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(Error::new(
+            format!("An old picture cannot be removed ({e})."),
+            "Remove it, or give another folder with --out.",
+        )
+        .within(file.display())),
+        _ => Ok(()),
+    }
+}
+
+/// Writes what concerns all garments: a picture, and how they lie on one another.
+pub fn write_outfit(
+    patterns: &[PatternInput],
+    folders: &[PathBuf],
+    body: &BodyInput,
+    outfit: &Outfit,
+    out: &Path,
+) -> Result<(), Error> {
+    let levels: Vec<_> = outfit.garments.iter().map(Outcome::finest).collect();
+    let level = Level::together(&levels);
+    let positions: Vec<Vector3> = outfit.garments.iter().flat_map(|outcome| &outcome.positions).copied().collect();
+    let garment = GarmentView {
+        positions: bytemuck::cast_slice(&positions),
+        triangles: &level.particle_triangles(),
+        panels: &level.panel_of_triangle(),
+        seams: &level.seam_edges(),
+        colors: &[],
+    };
+    let skin = BodyView { positions: bytemuck::cast_slice(body.body.positions()), triangles: body.body.triangles() };
+    atomic::write(&out.join("preview.png"), &preview(&garment, &skin))?;
+    write_crossings(out, &garment, &skin, &outfit.layers.triangles)?;
+    let names: Vec<OutfitGarment> = patterns
+        .iter()
+        .zip(folders)
+        .map(|(pattern, folder)| OutfitGarment {
+            name: &pattern.pattern.name,
+            folder: folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        })
+        .collect();
+    atomic::write(&out.join("outfit.json"), to_json(&outfit_report(&names, outfit)).as_bytes())
 }
 
 /// What pictures of a run are drawn from.

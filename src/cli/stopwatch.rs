@@ -66,7 +66,13 @@ impl<O: Observer> Observer for Stopwatch<O> {
             Event::Arranged { .. } => self.lap("start-up"),
             Event::Sewn { .. } => self.lap("sewing"),
             Event::LevelDone { level, .. } => self.lap(format!("level {}", level + 1)),
-            Event::LevelStarted { .. } | Event::Sewing { .. } | Event::Step { .. } | Event::Checked { .. } => {}
+            // What came before is the assessment of the garment below.
+            Event::GarmentStarted { garment: 1.., .. } | Event::TogetherStarted { .. } => self.lap("assessment"),
+            Event::GarmentStarted { .. }
+            | Event::LevelStarted { .. }
+            | Event::Sewing { .. }
+            | Event::Step { .. }
+            | Event::Checked { .. } => {}
         }
         self.inner.event(event);
     }

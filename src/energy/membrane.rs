@@ -14,7 +14,7 @@
 
 use crate::garment::Level;
 use crate::geometry::{Vector2, Vector3};
-use crate::pattern::Fabric;
+use crate::pattern::{Cut, Fabric};
 use nalgebra::{Matrix3, matrix};
 use rayon::prelude::*;
 
@@ -178,15 +178,19 @@ impl Triangle {
     }
 }
 
-/// The triangles of a level, of a fabric.
-pub fn triangles(level: &Level, fabric: &Fabric, membrane: Membrane) -> Vec<Triangle> {
+/// The triangles of a level.
+pub fn triangles(level: &Level, cut: Cut, membrane: Membrane) -> Vec<Triangle> {
     let mut eased = vec![[1.0; 3]; level.triangles.len()];
     for edge in &level.eased {
         eased[edge.triangle as usize][edge.tip as usize] = edge.ratio;
     }
+    let panel_of = level.panel_of_triangle();
     (0..level.triangles.len())
         .into_par_iter()
-        .map(|t| Triangle::new(level.particles(t), level.rest_corners(t), eased[t], fabric, membrane))
+        .map(|t| {
+            let fabric = cut.of_panel(panel_of[t] as usize);
+            Triangle::new(level.particles(t), level.rest_corners(t), eased[t], fabric, membrane)
+        })
         .collect()
 }
 

@@ -13,16 +13,18 @@ mod membrane;
 mod patch;
 mod stitch;
 mod tangent;
+mod wall;
 
 pub use bending::{Bending, CrossSpring, HingeForm, hinge_form};
 pub use hold::Hold;
 pub use membrane::{Membrane, Triangle};
 pub use stitch::Stitches;
 pub use tangent::Tangent;
+pub use wall::Wall;
 
 use crate::garment::Level;
 use crate::geometry::Vector3;
-use crate::pattern::Fabric;
+use crate::pattern::Cut;
 use incidence::Incidence;
 use patch::{Cloth, PATCH, Patch, PatchTerms, Scratch};
 use pulp::{Arch, NullaryFnOnce};
@@ -69,26 +71,32 @@ pub struct Energy {
     pub stitches: Stitches,
     /// What keeps parts of the garment up while it is put on.
     pub holds: Vec<Hold>,
+    /// What parts garments that are sewn one over the other.
+    pub walls: Vec<Wall>,
 }
 
 impl Energy {
-    pub fn new(level: &Level, fabric: &Fabric, model: Model) -> Self {
-        let triangles = membrane::triangles(level, fabric, model.membrane);
-        let hinges = level.hinges.par_iter();
+    pub fn new<'a>(level: &Level, cut: impl Into<Cut<'a>>, model: Model) -> Self {
+        let cut = cut.into();
+        let triangles = membrane::triangles(level, cut, model.membrane);
+        let panel_of = level.panel_of_triangle();
+        // A seam between two fabrics bends like the first of them.
+        let hinges = level.hinges.par_iter().map(|h| (h, cut.of_panel(panel_of[h.triangles[0] as usize] as usize)));
         let (forms, springs): (Vec<_>, Vec<_>) = match model.bending {
-            Bending::Quadratic => (hinges.map(|h| hinge_form(level, h, fabric)).collect(), Vec::new()),
-            Bending::Springs => (Vec::new(), hinges.map(|h| CrossSpring::of(level, h, fabric)).collect()),
+            Bending::Quadratic => (hinges.map(|(h, fabric)| hinge_form(level, h, fabric)).collect(), Vec::new()),
+            Bending::Springs => (Vec::new(), hinges.map(|(h, fabric)| CrossSpring::of(level, h, fabric)).collect()),
         };
         let hinges_at = Incidence::new(level.particle_count, forms.iter().map(|f| f.particles));
         let cloth = Cloth { triangles: &triangles, forms: &forms, springs: &springs, hinges_at: &hinges_at };
         Self {
             patches: Patch::all(level.particle_count, &cloth),
             arch: Arch::new(),
-            masses: level.particle_areas().iter().map(|a| a * fabric.areal_density).collect(),
+            masses: level.particle_masses(|panel| cut.of_panel(panel).areal_density).into(),
             elastic_diagonal: elastic_diagonal(level.particle_count, &cloth),
             gravity: GRAVITY,
             stitches: Stitches::new(level.stitches.clone()),
             holds: Vec::new(),
+            walls: Vec::new(),
         }
     }
 
@@ -121,7 +129,8 @@ impl Energy {
         };
         // Few or none: stitches of the open coarsest level, and what is held.
         terms.sewing = self.stitches.evaluate(positions, gradient)
-            + self.holds.iter().map(|hold| hold.evaluate(positions, gradient)).sum::<f64>();
+            + self.holds.iter().map(|hold| hold.evaluate(positions, gradient)).sum::<f64>()
+            + self.walls.iter().map(|wall| wall.evaluate(positions, gradient)).sum::<f64>();
         terms
     }
 
@@ -136,7 +145,8 @@ impl Energy {
             })
             .collect();
         let holds: f64 = self.holds.iter().map(|hold| hold.curvature(positions, direction)).sum();
-        elastic.iter().sum::<f64>() + self.stitches.curvature(direction) + holds
+        let walls: f64 = self.walls.iter().map(|wall| wall.curvature(positions, direction)).sum();
+        elastic.iter().sum::<f64>() + self.stitches.curvature(direction) + holds + walls
     }
 }
 
@@ -202,7 +212,7 @@ mod tests {
     use super::*;
     use crate::garment::Garment;
     use crate::geometry::Vector2;
-    use crate::pattern::{Directional, Pattern, shapes};
+    use crate::pattern::{Directional, Fabric, Pattern, shapes};
 
     const MODELS: [Model; 4] = [
         Model { membrane: Membrane::Coupled, bending: Bending::Quadratic },
@@ -338,7 +348,7 @@ mod tests {
         d: &[Vector3],
     ) -> (Terms, Vec<Vector3>, f64) {
         let (mut terms, mut gradient, mut curvature) = (Terms::default(), vec![Vector3::zeros(); x.len()], 0.0);
-        for t in membrane::triangles(level, fabric, model.membrane) {
+        for t in membrane::triangles(level, fabric.into(), model.membrane) {
             let (energy, pulls) = t.evaluate(t.particles.map(|p| x[p as usize]));
             terms.membrane += energy;
             t.particles.iter().zip(pulls).for_each(|(&p, pull)| gradient[p as usize] += pull);

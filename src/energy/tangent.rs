@@ -10,7 +10,7 @@ use super::membrane::{self, Triangle};
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::Pattern;
-use crate::pattern::Fabric;
+use crate::pattern::Cut;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
@@ -35,9 +35,12 @@ struct BendingRows {
 impl Tangent {
     /// Bending is taken as quadratic, whatever the model: springs across edges have no stiffness
     /// about the flat state, and a method of second order nothing to go by.
-    pub fn new(level: &Level, fabric: &Fabric, model: Model) -> Self {
-        let triangles = membrane::triangles(level, fabric, model.membrane);
-        let forms: Vec<HingeForm> = level.hinges.par_iter().map(|h| hinge_form(level, h, fabric)).collect();
+    pub fn new<'a>(level: &Level, cut: impl Into<Cut<'a>>, model: Model) -> Self {
+        let cut = cut.into();
+        let triangles = membrane::triangles(level, cut, model.membrane);
+        let panel_of = level.panel_of_triangle();
+        let form = |h| hinge_form(level, h, cut.of_panel(panel_of[h.triangles[0] as usize] as usize));
+        let forms: Vec<HingeForm> = level.hinges.par_iter().map(form).collect();
         let of_triangles = || triangles.iter().map(|t| t.particles);
         let forms_at = Incidence::new(level.particle_count, forms.iter().map(|f| f.particles));
         let exact = model.bending == Bending::Quadratic;

@@ -105,6 +105,20 @@ impl Level {
         areas
     }
 
+    /// Mass of each particle, kg, where `density` tells that of a panel, kg/m².
+    pub fn particle_masses(&self, density: impl Fn(usize) -> f64) -> Vec<f64> {
+        let areas = self.rest_areas();
+        let mut masses = vec![0.0; self.particle_count];
+        for (panel, range) in self.panels.iter().enumerate() {
+            for t in range.triangles.clone() {
+                for p in self.particles(t) {
+                    masses[p as usize] += areas[t] / 3.0 * density(panel);
+                }
+            }
+        }
+        masses
+    }
+
     /// The panel of each triangle.
     pub fn panel_of_triangle(&self) -> Vec<u32> {
         let mut panel_of = vec![0; self.triangles.len()];

@@ -4,10 +4,12 @@ mod correspondence;
 mod level;
 mod order;
 mod outline;
+mod together;
 mod triangulate;
 
 pub use correspondence::{Correspondence, Location};
 pub use level::{Eased, Hinge, Level, PanelRange};
+pub use together::patterns_together;
 
 use crate::Error;
 use crate::geometry::{UnionFind, Vector2, Vector3};

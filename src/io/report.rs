@@ -6,9 +6,8 @@
 
 use super::fabric_toml::figures;
 use super::settings_toml::{bending_word, finish_line_word, membrane_word, minimizer_word};
-use crate::assess::{Assessment, Check, Strain, hand_off};
+use crate::assess::{Assessment, Check, Strain, Tight, hand_off};
 use crate::energy::Terms;
-use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::Termination;
 use crate::pattern::{Fabric, Pattern};
@@ -27,6 +26,8 @@ pub struct RunFacts<'a> {
     pub body_name: &'a str,
     /// Hexadecimal, of the body file.
     pub body_sha256: &'a str,
+    /// Names and digests of the garments that the body wears, innermost first.
+    pub worn: Vec<[&'a str; 2]>,
     pub fabric: &'a Fabric,
     pub settings: &'a Settings,
     /// What was doubtful about the input.
@@ -85,6 +86,8 @@ pub struct Report {
     /// How the finest level ended.
     pub termination: &'static str,
     pub assessment: AssessmentPart,
+    /// Panels that are stretched beyond the limit of the fabric.
+    pub tight: Vec<TightPart>,
     pub sewing: SewingPart,
     /// Coarsest first.
     pub levels: Vec<LevelPart>,
@@ -109,6 +112,15 @@ pub struct PatternPart {
 #[derive(Clone, Debug, Serialize)]
 pub struct BodyPart {
     pub name: String,
+    pub sha256: String,
+    /// Garments that the body wore before, innermost first.
+    pub wears: Vec<WornPart>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct WornPart {
+    pub name: String,
+    /// Hexadecimal, of its state file.
     pub sha256: String,
 }
 
@@ -202,6 +214,16 @@ pub struct ShiftPart {
 }
 
 #[derive(Clone, Debug, Serialize)]
+pub struct TightPart {
+    pub panel: String,
+    /// Part of its area.
+    pub share: f64,
+    pub largest_stretch: f64,
+    /// The middle of what is stretched so far, world.
+    pub place_m: [f64; 3],
+}
+
+#[derive(Clone, Debug, Serialize)]
 pub struct LevelPart {
     pub resolution_m: f64,
     pub particles: usize,
@@ -264,7 +286,11 @@ pub fn report(run: &RunFacts) -> Report {
                 panels: pattern.panels.len(),
                 seams: pattern.seams.len(),
             },
-            body: BodyPart { name: run.body_name.to_owned(), sha256: run.body_sha256.to_owned() },
+            body: BodyPart {
+                name: run.body_name.to_owned(),
+                sha256: run.body_sha256.to_owned(),
+                wears: run.worn.iter().map(|worn| WornPart { name: worn[0].into(), sha256: worn[1].into() }).collect(),
+            },
         },
         settings: settings_part(run.settings),
         fabric: FabricPart { name: run.fabric.name.clone(), figures: figures(run.fabric).into_iter().collect() },
@@ -278,13 +304,19 @@ pub fn report(run: &RunFacts) -> Report {
             welded_gap_m: outcome.welded_gap,
             shifts: shifts_part(pattern, &outcome.shifts),
         },
-        levels: outcome.levels.iter().zip(&outcome.garment.levels).map(|(s, level)| level_part(s, level)).collect(),
+        tight: outcome.tight.iter().map(|tight| tight_part(pattern, tight)).collect(),
+        levels: outcome
+            .levels
+            .iter()
+            .zip(&outcome.garment.levels)
+            .map(|(s, level)| level_part(s, level.hinges.len()))
+            .collect(),
         run: run_part(run.host, run.solve),
     }
 }
 
 /// The text of the file.
-pub fn to_json(report: &Report) -> String {
+pub fn to_json(report: &impl Serialize) -> String {
     // serde_json writes what is not finite as null.
     serde_json::to_string_pretty(report).expect("structs of numbers and strings are JSON") + "\n"
 }
@@ -376,13 +408,22 @@ fn shifts_part(pattern: &Pattern, shifts: &[Vector3]) -> Vec<ShiftPart> {
     shifts.iter().enumerate().map(part).collect()
 }
 
-fn level_part(summary: &LevelSummary, level: &Level) -> LevelPart {
+fn tight_part(pattern: &Pattern, tight: &Tight) -> TightPart {
+    TightPart {
+        panel: panel_name(pattern, tight.panel),
+        share: tight.share,
+        largest_stretch: tight.largest,
+        place_m: tight.place.into(),
+    }
+}
+
+fn level_part(summary: &LevelSummary, hinges: usize) -> LevelPart {
     let Terms { membrane, bending, sewing, gravity } = summary.energies;
     LevelPart {
         resolution_m: summary.resolution,
         particles: summary.particles,
         triangles: summary.triangles,
-        hinges: level.hinges.len(),
+        hinges,
         evaluations: summary.evaluations,
         termination: termination_word(summary.termination),
         energies_j: EnergiesPart { membrane, bending, sewing, gravity, total: summary.energies.total() },
@@ -412,6 +453,7 @@ fn thinned(curve: &[CurvePoint]) -> impl Iterator<Item = CurvePoint> + '_ {
 mod tests {
     use super::*;
     use crate::assess::{Clearance, Intersections, SeamGaps};
+    use crate::garment::Level;
     use crate::io::sample::two_panels;
     use crate::prepositioning::Residual;
     use serde_json::Value;
@@ -444,6 +486,7 @@ mod tests {
             },
         };
         let outcome = Outcome {
+            tight: vec![Tight { panel: 1, share: 0.1, largest: 0.08, place: Vector3::new(0.0, 1.0, 0.1) }],
             shifts: vec![Vector3::zeros(), Vector3::new(0.0, 0.0, -0.02)],
             sewing_evaluations: 321,
             welded_gap: 3e-4,
@@ -466,6 +509,7 @@ mod tests {
             pattern_sha256: "ab",
             body_name: "ball",
             body_sha256: "cd",
+            worn: vec![["tee", "ef"]],
             fabric: &Fabric::default(),
             settings: &Settings::default(),
             warnings: &["panel \"front\": odd".to_owned()],
@@ -492,6 +536,8 @@ mod tests {
         assert_eq!((&by_panels[0]["other_panel"], &by_panels[1]["other_panel"]), (&Value::Null, &"back".into()));
         assert_eq!(report["termination"], "budget");
         assert_eq!(report["run"]["threads"], 2);
+        assert_eq!(report["tight"][0]["panel"], "back");
+        assert_eq!(report["inputs"]["body"]["wears"][0]["name"], "tee");
     }
 
     #[test]

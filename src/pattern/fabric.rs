@@ -128,6 +128,30 @@ impl Preset {
     }
 }
 
+/// What the panels of a level are cut from.
+#[derive(Clone, Copy, Debug)]
+pub enum Cut<'a> {
+    /// All from one fabric.
+    Of(&'a Fabric),
+    /// Each from its own.
+    ByPanel(&'a [&'a Fabric]),
+}
+
+impl<'a> From<&'a Fabric> for Cut<'a> {
+    fn from(fabric: &'a Fabric) -> Self {
+        Cut::Of(fabric)
+    }
+}
+
+impl<'a> Cut<'a> {
+    pub fn of_panel(&self, panel: usize) -> &'a Fabric {
+        match self {
+            Cut::Of(fabric) => fabric,
+            Cut::ByPanel(fabrics) => fabrics[panel],
+        }
+    }
+}
+
 impl Default for Fabric {
     /// `neutral`, the figures with which solvers are compared.
     fn default() -> Self {

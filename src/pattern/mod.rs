@@ -11,7 +11,7 @@ mod fabric;
 pub(crate) mod shapes;
 
 pub use curve::{Arc, Curve, Shape};
-pub use fabric::{Directional, Fabric, PRESETS, Preset, Quality};
+pub use fabric::{Cut, Directional, Fabric, PRESETS, Preset, Quality};
 
 use crate::geometry::{Vector2, Vector3, polygon_crossing};
 use nalgebra::Rotation3;

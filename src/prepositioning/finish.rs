@@ -75,6 +75,33 @@ pub fn clear_body(
     clearing
 }
 
+/// Parts layers that are pressed together to less than half their thickness, by making their contact stiffer; what
+/// that presses into the body is taken out again. Returns the evaluations that it took.
+pub fn part_layers(
+    scene: &Scene,
+    level: usize,
+    problem: &mut Relaxation,
+    minimizer: &mut Minimizer,
+    positions: &mut Vec<Vector3>,
+) -> usize {
+    let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(&scene.garment.levels[level]) };
+    let mut evaluations = 0;
+    for _ in 0..MOST_PARTINGS {
+        problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
+        if problem.cloth.too_near(0.5 * scene.fabric.thickness) == 0 {
+            break;
+        }
+        problem.cloth.settings.stiffness *= STIFFENING;
+        evaluations += minimizer.run(problem, positions, &steps, |_| false).2;
+        evaluations += clear_body(scene, level, problem, minimizer, positions).evaluations;
+    }
+    evaluations
+}
+
+/// How often layers are parted, and how much stiffer their contact is each time.
+const MOST_PARTINGS: usize = 6;
+const STIFFENING: f64 = 3.0;
+
 /// Triangles nearer to the body than the clearance, with their distances, m: zero for those that cross it.
 fn too_near(scene: &Scene, level: usize, positions: &[Vector3]) -> Vec<(u32, f64)> {
     let cloth = &scene.garment.levels[level];

@@ -6,7 +6,7 @@ use crate::energy::{GRAVITY, Model, Tangent};
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::{BlockMatrix, CHUNK, SecondOrder};
-use crate::pattern::Fabric;
+use crate::pattern::Cut;
 use nalgebra::{Matrix3, SVector};
 use rayon::prelude::*;
 
@@ -24,8 +24,8 @@ pub struct Hessian {
 }
 
 impl Hessian {
-    pub fn new(level: &Level, fabric: &Fabric, model: Model) -> Self {
-        let tangent = Tangent::new(level, fabric, model);
+    pub fn new<'a>(level: &Level, cut: impl Into<Cut<'a>>, model: Model) -> Self {
+        let tangent = Tangent::new(level, cut, model);
         let zeros = || BlockMatrix::zeros(tangent.pattern().clone());
         Self { blocks: zeros(), near: zeros(), pairs: Vec::new(), definite: false, points: Vec::new(), tangent }
     }

@@ -7,7 +7,9 @@
 pub mod comparison;
 mod finish;
 mod hessian;
+mod layering;
 mod outcome;
+mod outfit;
 mod problem;
 mod prolongation;
 mod relaxing;
@@ -16,16 +18,18 @@ mod sewing;
 
 pub use hessian::Hessian;
 pub use outcome::{CurvePoint, Event, LevelSummary, Observer, Outcome};
+pub use outfit::{Garments, Outfit};
 pub use problem::{Relaxation, Residual};
 pub use settings::{COARSEST_LEVEL, DEFAULT_CLEARANCE, FinishLine, Settings};
 
 use crate::Error;
 use crate::arrangement::{Arrangement, Care, SIGHT_MARGIN, arrange, check_placement};
-use crate::assess::assess;
 use crate::body::{Body, DistanceField};
 use crate::garment::Garment;
 use crate::geometry::Vector3;
-use crate::pattern::{Fabric, Pattern};
+use crate::pattern::{Cut, Fabric, Pattern};
+use layering::bring_into_order;
+use outfit::{Together, sew_in_turn, take_apart};
 
 /// Side of a cell of the body's distance field near the skin, m: a third of a finger.
 const FIELD_CELL: f64 = 0.006;
@@ -43,7 +47,17 @@ pub fn preposition(
     preposition_from(pattern, fabric, body, settings, &|_| (), observer)
 }
 
-/// The same, from positions that `disturb` has changed after the panels were arranged: one per point of
+/// The same for several garments, worn one over the other. An error names the garment.
+pub fn preposition_outfit(
+    garments: &Garments,
+    body: &Body,
+    settings: &Settings,
+    observer: &mut dyn Observer,
+) -> Result<Outfit, Error> {
+    preposition_all(garments, body, settings, &|_| (), observer)
+}
+
+/// The first, from positions that `disturb` has changed after the panels were arranged: one per point of
 /// the open coarsest level, m, world.
 fn preposition_from(
     pattern: &Pattern,
@@ -53,44 +67,69 @@ fn preposition_from(
     disturb: &(dyn Fn(&mut [Vector3]) + Sync),
     observer: &mut dyn Observer,
 ) -> Result<Outcome, Error> {
-    settings.check()?;
-    check_placement(pattern, body)?;
-    // Parallel work that is begun outside the pool wakes a thread and waits for it, each time.
-    rayon::scope(|_| sew_and_relax(pattern, fabric, body, settings, disturb, observer))
+    let mut outfit = preposition_all(&[(pattern, fabric)], body, settings, disturb, observer)?;
+    Ok(outfit.garments.remove(0))
 }
 
-fn sew_and_relax(
-    pattern: &Pattern,
-    fabric: &Fabric,
+fn preposition_all(
+    garments: &Garments,
     body: &Body,
     settings: &Settings,
     disturb: &(dyn Fn(&mut [Vector3]) + Sync),
     observer: &mut dyn Observer,
-) -> Result<Outcome, Error> {
-    let (garment, field) =
-        rayon::join(|| Garment::build(pattern, &settings.resolutions), || distance_field(body, settings.clearance));
-    let garment = garment?;
-    let scene = Scene { pattern, fabric, garment: &garment, body, field: &field, settings };
-    let (arrangement, sewn) = sew(&scene, disturb, observer);
-    let mut positions = garment.weld(&sewn.positions);
-    let mut levels = Vec::new();
-    for level in 0..garment.levels.len() {
-        if level > 0 {
-            positions = prolongation::prolong(&garment, level, &positions);
-        }
-        levels.push(relaxing::relax(&scene, level, &arrangement, &mut positions, observer));
+) -> Result<Outfit, Error> {
+    settings.check()?;
+    assert!(!garments.is_empty(), "there is something to wear");
+    for (pattern, _) in garments {
+        check_placement(pattern, body).map_err(|e| named(garments, pattern, e))?;
     }
-    let finest = &garment.levels[garment.levels.len() - 1];
-    let assessment = assess(pattern, finest, &positions, body, settings.clearance);
-    Ok(Outcome {
-        positions,
-        shifts: arrangement.shifts,
-        sewing_evaluations: sewn.evaluations,
-        welded_gap: sewn.largest_gap,
-        levels,
-        assessment,
-        garment,
-    })
+    // Parallel work that is begun outside the pool wakes a thread and waits for it, each time.
+    rayon::scope(|_| sew_and_relax(garments, body, settings, disturb, observer))
+}
+
+/// An error of one of several garments.
+fn named(garments: &Garments, pattern: &Pattern, error: Error) -> Error {
+    if garments.len() > 1 { error.within(format!("garment \"{}\"", pattern.name)) } else { error }
+}
+
+fn sew_and_relax(
+    garments: &Garments,
+    body: &Body,
+    settings: &Settings,
+    disturb: &(dyn Fn(&mut [Vector3]) + Sync),
+    observer: &mut dyn Observer,
+) -> Result<Outfit, Error> {
+    let build = |&(pattern, _): &(&Pattern, &Fabric)| {
+        Garment::build(pattern, &settings.resolutions).map_err(|e| named(garments, pattern, e))
+    };
+    let (built, field) = rayon::join(
+        || garments.iter().map(build).collect::<Result<Vec<_>, _>>(),
+        || distance_field(body, settings.clearance),
+    );
+    let built = built?;
+    let clothes = sew_in_turn(garments, &built, (body, &field), settings, disturb, observer);
+    // One alone is its own whole, and large enough not to be kept twice.
+    let mut parts = if garments.len() > 1 { built.clone() } else { Vec::new() };
+    let together = Together::new(garments, built);
+    let scene = together.scene(garments.len(), body, &field, settings);
+    if garments.len() > 1 {
+        observer.event(&Event::TogetherStarted { garments: garments.len() });
+    }
+    let mut positions = clothes.positions;
+    let mut levels = Vec::new();
+    for level in 0..together.garment.levels.len() {
+        if level > 0 {
+            positions = prolongation::prolong(&together.garment, level, &positions);
+            if garments.len() > 1 {
+                bring_into_order((garments, &parts), (body, &field), settings, level, &mut positions);
+            }
+        }
+        levels.push(relaxing::relax(&scene, level, &clothes.waists, &mut positions, observer));
+    }
+    if garments.len() == 1 {
+        parts.push(together.garment);
+    }
+    Ok(take_apart(garments, parts, &positions, clothes.sewn, &levels, body, settings))
 }
 
 /// Arranges the panels and closes their seams. Where that did not go well, as it does not for panels that start beside
@@ -131,8 +170,13 @@ pub fn distance_field(body: &Body, clearance: f64) -> DistanceField {
 /// What all stages look at and none changes.
 struct Scene<'a> {
     pattern: &'a Pattern,
+    /// How the cloth touches: its friction, its thickness, its stiffness.
     fabric: &'a Fabric,
+    /// What its panels are cut from.
+    cut: Cut<'a>,
     garment: &'a Garment,
+    /// How many garments it is made of.
+    garments: usize,
     body: &'a Body,
     field: &'a DistanceField,
     settings: &'a Settings,

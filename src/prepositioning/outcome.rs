@@ -1,7 +1,7 @@
 //! What a run tells on its way, and what it gives.
 
 use super::Residual;
-use crate::assess::Assessment;
+use crate::assess::{Assessment, Tight};
 use crate::energy::Terms;
 use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
@@ -10,6 +10,10 @@ use crate::minimize::Termination;
 /// What happens during a run, for whoever watches.
 #[derive(Clone, Debug)]
 pub enum Event<'a> {
+    /// Work on one of several garments began, the innermost being the first.
+    GarmentStarted { garment: usize, garments: usize, name: &'a str },
+    /// All garments are fitted one over the other; now they are relaxed together.
+    TogetherStarted { garments: usize },
     /// How far the panels were moved to clear the body from their seams, m, one per panel.
     Arranged { shifts: &'a [Vector3] },
     /// A step of closing the seams ended with this largest gap, m.
@@ -86,6 +90,8 @@ pub struct Outcome {
     /// One per level, coarsest first.
     pub levels: Vec<LevelSummary>,
     pub assessment: Assessment,
+    /// Panels that are stretched beyond the limit of the fabric.
+    pub tight: Vec<Tight>,
 }
 
 impl Outcome {

@@ -8,10 +8,12 @@ use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
 use crate::arrangement::Arrangement;
 use crate::assess::{LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, Strain, cloth_intersections, gather_allowance};
 use crate::contact::{BodyContact, BodyContactSettings};
-use crate::energy::{Energy, GRAVITY};
+use crate::energy::{Energy, GRAVITY, Hold};
+use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::minimize::{Iterate, Method, Minimizer, Newton, Problem, Settings as Steps, Termination};
-use crate::pattern::SegmentLabel;
+use crate::pattern::{Pattern, SegmentLabel};
+use std::ops::Range;
 
 /// Evaluations of one run of the minimizer; between two runs contact is corrected and anchors of
 /// friction are moved. Where neither is needed, starting afresh so often still finds lower energies
@@ -27,7 +29,7 @@ const COARSE_SINKING: f64 = 1e-4;
 /// The same on the finest level, where a run is dear and friction is to have the last word, m.
 const SETTLED_SINKING: f64 = 1e-3;
 /// Share of the hand-off's limits at which the strain is clearly within them: clearing the body adds a little.
-const CLEARLY: f64 = 0.9;
+const CLEARLY: f64 = 0.85;
 /// Strain is not expected to fall faster than in the last run by more than this factor.
 const BEST_PACE: f64 = 2.0;
 /// Share of the finest level's evaluations in which cloth slides without friction: a garment is
@@ -40,30 +42,21 @@ const WAIST_SLACK: f64 = 0.01;
 pub fn relax(
     scene: &Scene,
     level: usize,
-    arrangement: &Arrangement,
+    waists: &[Waist],
     positions: &mut Vec<Vector3>,
     observer: &mut dyn Observer,
 ) -> LevelSummary {
     let cloth = &scene.garment.levels[level];
-    let levels = scene.garment.levels.len();
-    let finest = level + 1 == levels;
+    let finest = level + 1 == scene.garment.levels.len();
     let budget = match (finest, scene.settings.until) {
         (false, _) => coarse_evaluations(scene.settings.coarse_evaluations, cloth.resolution),
         (true, FinishLine::HandOff) => scene.settings.finest_evaluations,
         (true, FinishLine::Equilibrium) => scene.settings.equilibrium_evaluations,
     };
-    observer.event(&Event::LevelStarted {
-        level,
-        levels,
-        resolution: cloth.resolution,
-        particles: cloth.particle_count,
-        evaluations: budget,
-    });
+    announce(scene, level, budget, observer);
     let (starting_intersections, mut problem) =
-        rayon::join(|| cloth_intersections(cloth, positions).len(), || problem(scene, level, arrangement, positions));
-    let minimizer = Minimizer::new(scene.settings.minimizer, positions.len());
-    let mut run =
-        Run { minimizer, newton: None, evaluations: 0, fallen: f64::INFINITY, strain: None, curve: Vec::new() };
+        rayon::join(|| cloth_intersections(cloth, positions).len(), || problem(scene, level, waists, positions));
+    let mut run = Run::new(scene, cloth);
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
     } else {
@@ -84,6 +77,34 @@ pub fn relax(
     };
     observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
     summary
+}
+
+/// Relaxes the coarsest level of a garment that was sewn over others, which keep still, and takes it out of them. Returns
+/// the evaluations that it took.
+pub fn relax_over(scene: &Scene, waist: &Option<Waist>, positions: &mut Vec<Vector3>) -> usize {
+    let cloth = &scene.garment.levels[0];
+    let mut problem = problem(scene, 0, waist, positions);
+    let mut run = Run::new(scene, cloth);
+    let budget = coarse_evaluations(scene.settings.coarse_evaluations, cloth.resolution);
+    coarsely(scene, 0, &mut problem, &mut run, positions, budget, &mut ());
+    residual_at(&mut problem, positions);
+    run.evaluations + finish::clear_body(scene, 0, &mut problem, &mut run.minimizer, positions).evaluations
+}
+
+fn announce(scene: &Scene, level: usize, evaluations: usize, observer: &mut dyn Observer) {
+    let cloth = &scene.garment.levels[level];
+    observer.event(&Event::LevelStarted {
+        level,
+        levels: scene.garment.levels.len(),
+        resolution: cloth.resolution,
+        particles: cloth.particle_count,
+        evaluations,
+    });
+}
+
+/// Evaluations in which the finest level slides, at most.
+fn sliding_evaluations(scene: &Scene) -> usize {
+    (SLIDING * scene.settings.finest_evaluations as f64) as usize
 }
 
 /// Relaxes a level but the finest: sliding, and as far as the prolongation can make use of.
@@ -129,7 +150,7 @@ fn settle(
     observer: &mut dyn Observer,
 ) -> Termination {
     let settings = scene.settings;
-    let sliding = (SLIDING * settings.finest_evaluations as f64) as usize;
+    let sliding = sliding_evaluations(scene);
     let balanced = |problem: &mut Relaxation, positions: &[Vector3]| {
         settings.until == FinishLine::Equilibrium
             && residual_at(problem, positions).rms <= settings.equilibrium_residual
@@ -148,7 +169,10 @@ fn settle(
                 budget = run.evaluations + RUN_LENGTH;
             }
             problem.body.settings.friction = scene.fabric.friction;
-            problem.energy.holds.clear();
+            // Cloth on cloth has no friction: what is worn over something else would slip.
+            if scene.garments == 1 {
+                problem.energy.holds.clear();
+            }
             problem.update_diagonal();
             if ends_by_newton(scene) {
                 run.by_newton(scene, level, problem);
@@ -178,6 +202,17 @@ fn settle(
         }
     }
     run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
+    for _ in 0..MOST_SECOND_LOOKS {
+        if settings.until != FinishLine::HandOff || !is_slightly_strained(scene, level, positions) {
+            break;
+        }
+        run.steps(scene, level, problem, positions, RUN_LENGTH, observer);
+        residual_at(problem, positions);
+        problem.body.correct(positions);
+        problem.body.update_anchors(positions);
+        run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
+    }
+    run.evaluations += finish::part_layers(scene, level, problem, &mut run.minimizer, positions);
     match (balanced(problem, positions) || settled, stalled > MOST_STALLS) {
         (true, _) => Termination::Converged,
         (false, true) => Termination::Stalled,
@@ -211,6 +246,20 @@ fn is_settled(
     too_tight || strain.p99 < CLEARLY * LARGEST_STRAIN_P99 && strain.mean < CLEARLY * LARGEST_STRAIN_MEAN
 }
 
+/// Is the strain beyond the limits of the hand-off, but by so little that cloth which has just been taken out of the body
+/// may give way that much?
+fn is_slightly_strained(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
+    let cloth = &scene.garment.levels[level];
+    let strain = Strain::of(cloth, positions, &gather_allowance(scene.pattern, cloth));
+    let beyond = (strain.p99 / LARGEST_STRAIN_P99).max(strain.mean / LARGEST_STRAIN_MEAN);
+    beyond > 1.0 && beyond < SLIGHTLY
+}
+
+/// How far strain may be beyond its limits, over them, to be worth another run.
+const SLIGHTLY: f64 = 1.04;
+/// How many such runs there are at most.
+const MOST_SECOND_LOOKS: usize = 2;
+
 /// N.
 fn weight(problem: &Relaxation) -> f64 {
     problem.energy.masses().iter().sum::<f64>() * GRAVITY
@@ -240,10 +289,16 @@ fn coarse_evaluations(most: usize, resolution: f64) -> usize {
 /// Resolution from which a coarse level has all the evaluations granted, m.
 const FULL_BUDGET: f64 = 0.02;
 
-fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, positions: &[Vector3]) -> Relaxation<'a> {
+/// What is minimized on a level while cloth slides: without friction, waist lines held.
+pub fn problem<'a, 'w>(
+    scene: &Scene<'a>,
+    level: usize,
+    waists: impl IntoIterator<Item = &'w Waist>,
+    positions: &[Vector3],
+) -> Relaxation<'a> {
     let (settings, cloth) = (scene.settings, &scene.garment.levels[level]);
-    let mut energy = Energy::new(cloth, scene.fabric, settings.model);
-    energy.holds.extend(waist_hold(scene, level, arrangement, positions));
+    let mut energy = Energy::new(cloth, scene.cut, settings.model);
+    energy.holds.extend(waists.into_iter().filter_map(|waist| waist.hold(scene, level, positions)));
     let contact = BodyContactSettings {
         clearance: settings.clearance,
         stiffness: settings.contact_stiffness(scene.fabric),
@@ -254,23 +309,35 @@ fn problem<'a>(scene: &Scene<'a>, level: usize, arrangement: &Arrangement, posit
     Relaxation::new(energy, contact, settings.self_contact(cloth, classes, scene.fabric, positions))
 }
 
-/// Keeps the waist line of a skirt or trousers from sinking below where the pattern places it, as
-/// buttons would. What reaches higher hangs from the shoulders.
-fn waist_hold(
-    scene: &Scene,
-    level: usize,
-    arrangement: &Arrangement,
-    positions: &[Vector3],
-) -> Option<crate::energy::Hold> {
-    let waist = SegmentLabel::LowerInterface;
-    let placed = hold(scene.pattern, &scene.garment.open, waist, &arrangement.positions)?.height;
-    let top = arrangement.positions.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
-    if top > placed + HANGS_FROM_WAIST {
-        return None;
+/// The waist line of a skirt or trousers. What reaches higher hangs from the shoulders.
+pub struct Waist {
+    /// Of the garment.
+    panels: Range<usize>,
+    /// Where the pattern places it, m.
+    height: f64,
+}
+
+impl Waist {
+    /// Of a garment that hangs from its waist line.
+    pub fn of(pattern: &Pattern, garment: &Garment, arrangement: &Arrangement) -> Option<Self> {
+        let panels = 0..pattern.panels.len();
+        let line = SegmentLabel::LowerInterface;
+        let height = hold(pattern, &garment.open, panels.clone(), line, &arrangement.positions)?.height;
+        let top = arrangement.positions.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+        (top <= height + HANGS_FROM_WAIST).then_some(Self { panels, height })
     }
-    let mut hold = hold(scene.pattern, &scene.garment.levels[level], waist, positions)?;
-    hold.height = placed - WAIST_SLACK;
-    Some(hold)
+
+    /// Keeps it from sinking below where the pattern places it, as buttons would.
+    fn hold(&self, scene: &Scene, level: usize, positions: &[Vector3]) -> Option<Hold> {
+        let (cloth, line) = (&scene.garment.levels[level], SegmentLabel::LowerInterface);
+        let hold = hold(scene.pattern, cloth, self.panels.clone(), line, positions)?;
+        Some(Hold { height: self.height - WAIST_SLACK, ..hold })
+    }
+
+    /// The same waist where the panels of the garment begin at `first`.
+    pub fn among(&self, first: usize) -> Self {
+        Self { panels: self.panels.start + first..self.panels.end + first, height: self.height }
+    }
 }
 
 /// A garment whose top is at most this far above its waist line hangs from the waist, m: a waistband.
@@ -290,10 +357,15 @@ struct Run {
 }
 
 impl Run {
+    fn new(scene: &Scene, cloth: &Level) -> Self {
+        let minimizer = Minimizer::new(scene.settings.minimizer, cloth.particle_count);
+        Self { minimizer, newton: None, evaluations: 0, fallen: f64::INFINITY, strain: None, curve: Vec::new() }
+    }
+
     /// From now on steps are Newton's.
     fn by_newton(&mut self, scene: &Scene, level: usize, problem: &mut Relaxation) {
         let cloth = &scene.garment.levels[level];
-        problem.hessian = Some(Hessian::new(cloth, scene.fabric, scene.settings.model));
+        problem.hessian = Some(Hessian::new(cloth, scene.cut, scene.settings.model));
         self.newton = Some(Newton::new(cloth.particle_count));
     }
 

@@ -262,6 +262,12 @@ impl SelfContact {
         &self.active
     }
 
+    /// How many of the pairs that pushed at the last evaluation are nearer than `least`, m, and than half their clearance.
+    pub fn too_near(&self, least: f64) -> usize {
+        let is_near = |pair: &&ActivePair| pair.distance < least.min(0.5 * self.clearance_of(pair.particles));
+        self.active.iter().filter(is_near).count()
+    }
+
     /// `dᵀ H d` without what is negative, by the pairs that pushed at the last evaluation: it should
     /// have been at `positions`.
     pub fn curvature(&self, positions: &[Vector3], direction: &[Vector3]) -> f64 {

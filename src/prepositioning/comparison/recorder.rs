@@ -132,6 +132,7 @@ impl<'a> Recorder<'a> {
 
     fn record(&mut self, event: &Event, spent: Spent) {
         match *event {
+            Event::GarmentStarted { .. } | Event::TogetherStarted { .. } => {}
             Event::Arranged { .. } => self.set_up = spent,
             // Where panels are arranged a second time both attempts count.
             Event::Sewn { open, evaluations, curvatures, largest_gap } => {
