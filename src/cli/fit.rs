@@ -173,25 +173,29 @@ fn summary(outcome: &Outcome, settings: &Settings, host: &Host, out: &Path) -> S
     lines.join("\n")
 }
 
+/// What is no farther than this from the middle of the body is in the middle, m.
+const MIDDLE: f64 = 0.03;
+
 /// What is too tight, panel by panel, and where.
 fn tight_warnings(outcome: &Outcome, pattern: &Pattern, fabric: &Fabric, body: &BodyInput) -> Vec<Warning> {
     let (low, high) = body.body.bounds();
     let middle = (low + high) * 0.5;
     let warning = |tight: &Tight| {
         let side = if tight.place.z > middle.z { "front" } else { "back" };
-        let beside = tight.place.x - middle.x;
-        let hand = if beside > 0.0 { "left" } else { "right" };
+        let beside = match tight.place.x - middle.x {
+            x if x.abs() < MIDDLE => "in the middle".to_owned(),
+            x => format!("{:.2} m to the {}", x.abs(), if x > 0.0 { "left" } else { "right" }),
+        };
         Warning(
             Error::new(
                 format!(
                     "{:.0} % of it is stretched by more than {} bears, {:.1} % ({:.1} % at most): {:.2} m above the floor, \
-                     at the {side}, {:.2} m to the {hand}.",
+                     at the {side}, {beside}.",
                     100.0 * tight.share,
                     fabric.name,
                     100.0 * fabric.stretch_limit,
                     100.0 * tight.largest,
                     tight.place.y - low.y,
-                    beside.abs(),
                 ),
                 "The body is larger than the garment there: take a larger size or another body, or a fabric that stretches.",
             )

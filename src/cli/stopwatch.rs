@@ -66,8 +66,8 @@ impl<O: Observer> Observer for Stopwatch<O> {
             Event::Arranged { .. } => self.lap("start-up"),
             Event::Sewn { .. } => self.lap("sewing"),
             Event::LevelDone { level, .. } => self.lap(format!("level {}", level + 1)),
-            // What came before is the assessment of the garment below.
-            Event::GarmentStarted { garment: 1.., .. } | Event::TogetherStarted { .. } => self.lap("assessment"),
+            // The garment before was relaxed over those below and brought into order with them.
+            Event::GarmentStarted { garment: 1.., .. } | Event::TogetherStarted { .. } => self.lap("layering"),
             Event::GarmentStarted { .. }
             | Event::LevelStarted { .. }
             | Event::Sewing { .. }

@@ -3,7 +3,8 @@
 use crate::geometry::Vector3;
 
 /// `E = ½ k max(0, (q - x)·n)²`: the point `x` of the cloth, the mean of two particles, is to come to the side of the
-/// plane through `q` to which the unit vector `n` points. With one particle named twice it is that particle.
+/// plane through `q` to which the unit vector `n` points (theory, equation 21). With one particle named twice it is that
+/// particle.
 #[derive(Clone, Copy, Debug)]
 pub struct Wall {
     pub particles: [u32; 2],

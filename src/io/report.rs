@@ -50,7 +50,7 @@ pub struct Solve {
 /// A part of the work and what it took.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stage {
-    /// `body`, `start-up`, `sewing`, `level 1` and so on, `assessment`.
+    /// `body`, `start-up`, `sewing`, `layering`, `level 1` and so on, `assessment`.
     pub name: String,
     pub wall_seconds: f64,
     /// Of all threads.

@@ -67,7 +67,7 @@ impl<'a> Layer<'a> {
         (self.positions[a as usize] + self.positions[b as usize]) * 0.5
     }
 
-    /// Planes between this layer and another that has to be inside of it, or outside.
+    /// Planes between this layer and another one, which has to be inside of it or around it. Garments cross at `places`.
     fn walls(&self, places: &[Vector3], other: &Enclosure, is_inner: bool, margin: f64) -> Vec<Wall> {
         let is_near = |at: Vector3| places.iter().any(|place| (place - at).norm_squared() < NEAR * NEAR);
         let stiffness = STIFFNESS * self.scene.settings.contact_stiffness(self.scene.fabric);
@@ -76,7 +76,8 @@ impl<'a> Layer<'a> {
             let nearest = other.nearest_cloth(at, REACH)?;
             let (away, inside) = (at - nearest, other.contains(at));
             let right = inside != is_inner;
-            if if right { away.norm() > margin + SLACK } else { !is_near(at) } {
+            let matters = if right { away.norm() <= margin + SLACK } else { is_near(at) };
+            if !matters {
                 return None;
             }
             let outward = away.try_normalize(1e-12)? * if inside { -1.0 } else { 1.0 };
