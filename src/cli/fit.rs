@@ -85,12 +85,11 @@ pub fn fit(
         };
         let host = results::write(&run, folder, host)?;
         if !silent {
+            // The verdict is the last word.
+            let tight = tight_warnings(outcome, &patterns[k].pattern, &fabrics[k], body);
+            tight.iter().for_each(complaint::print_warning);
             let name = if patterns.len() > 1 { format!("{}: ", patterns[k].pattern.name) } else { String::new() };
             eprintln!("{name}{}", summary(outcome, settings, &host, folder));
-        }
-        if !silent {
-            let fabric = &fabrics[k];
-            tight_warnings(outcome, &patterns[k].pattern, fabric, body).iter().for_each(complaint::print_warning);
         }
         statuses.push(status(outcome, settings));
     }
