@@ -15,24 +15,6 @@ pub struct Layers {
     pub triangles: Vec<u32>,
 }
 
-/// Pairs of triangles of different garments that cross, in order: of triangles by their corners among the positions, m,
-/// world, and the garments that they belong to.
-pub fn crossing_layers(triangles: &[[u32; 3]], garment_of: &[u32], positions: &[Vector3]) -> Vec<[u32; 2]> {
-    let corners = |t: u32| triangles[t as usize].map(|p| positions[p as usize]);
-    let tree = RunTree::new((0..triangles.len() as u32).map(|t| {
-        let [a, b, c] = corners(t);
-        (a.inf(&b).inf(&c), a.sup(&b).sup(&c))
-    }));
-    let mut crossing = tree.collect_pairs(|t, u, found: &mut Vec<[u32; 2]>| {
-        let apart = garment_of[t as usize] != garment_of[u as usize];
-        if apart && triangles_intersect(corners(t), corners(u)) {
-            found.push([t.min(u), t.max(u)]);
-        }
-    });
-    crossing.sort_unstable();
-    crossing
-}
-
 impl Layers {
     /// Of triangles by their corners among the positions, m, world, and the garments they belong to. Distances beyond
     /// `within`, m, are not looked for.

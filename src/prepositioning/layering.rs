@@ -9,7 +9,7 @@ use super::outfit::Garments;
 use super::problem::Relaxation;
 use super::relaxing::problem;
 use super::{Scene, Settings};
-use crate::assess::crossing_layers;
+use crate::assess::cloth_intersections;
 use crate::body::{Body, DistanceField, Enclosure};
 use crate::energy::Wall;
 use crate::garment::{Garment, Level};
@@ -105,7 +105,7 @@ pub fn bring_into_order(
     positions: &mut [Vector3],
 ) -> usize {
     let levels: Vec<&Level> = built.iter().map(|garment| &garment.levels[level]).collect();
-    let all = Level::together(&levels).particle_triangles();
+    let all = Level::together(&levels);
     let garment_of: Vec<u32> =
         (0..).zip(&levels).flat_map(|(k, level)| std::iter::repeat_n(k, level.triangles.len())).collect();
     let scene = |k: usize| {
@@ -124,14 +124,15 @@ pub fn bring_into_order(
     let mut evaluations = 0;
     let mut best = Best { crossing: usize::MAX, round: 0, positions: Vec::new() };
     for round in 0..MOST_ROUNDS {
-        let crossing = crossing_layers(&all, &garment_of, positions);
+        let mut crossing = cloth_intersections(&all, positions);
+        crossing.retain(|&[t, u]| garment_of[t as usize] != garment_of[u as usize]);
         if crossing.len() < best.crossing {
             best = Best { crossing: crossing.len(), round, positions: positions.to_vec() };
         }
         if crossing.is_empty() || round > best.round + PATIENCE {
             break;
         }
-        let middle = |t: u32| all[t as usize].iter().map(|&p| positions[p as usize]).sum::<Vector3>() / 3.0;
+        let middle = |t: u32| all.particles(t as usize).iter().map(|&p| positions[p as usize]).sum::<Vector3>() / 3.0;
         let places: Vec<Vector3> = crossing.iter().flatten().map(|&t| middle(t)).collect();
         for k in 0..layers.len() {
             let margin = MARGIN * levels[k].resolution * (1.0 + GROWTH * round as f64);
