@@ -39,7 +39,7 @@ fn quarter(radius: f64, turns: f64) -> Segment {
 fn specimen() -> Pattern {
     let segments = (0..4).map(|k| quarter(SPECIMEN, f64::from(k))).collect();
     let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::zeros() };
-    let panel = Panel { name: "specimen".to_owned(), segments, placement, part: None };
+    let panel = Panel::new("specimen", segments).at(placement);
     Pattern { name: "specimen".to_owned(), panels: vec![panel], seams: Vec::new() }
 }
 

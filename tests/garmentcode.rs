@@ -34,7 +34,7 @@ fn patterns_have_the_reference_areas_lengths_and_places() {
             for axis in 0..3 {
                 let normal = panel_reference["outward_normal"][axis].as_f64().unwrap();
                 assert!((panel.outward_normal()[axis] - normal).abs() < 1e-3, "{at}: normal");
-                let first = panel.placement.place(panel.segments[0].curve.start)[axis] * 100.0;
+                let first = panel.place(panel.segments[0].curve.start)[axis] * 100.0;
                 let first_reference = panel_reference["first_vertex_3d_cm"][axis].as_f64().unwrap();
                 assert!((first - first_reference).abs() < 1e-2, "{at}: placement {first} {first_reference}");
             }

@@ -74,7 +74,7 @@ fn one_garment_is_an_outfit_of_one() {
 fn what_is_wrong_with_one_of_several_is_told_with_its_name() {
     let tee = pattern(embedded::TEE, "tee");
     let mut far = pattern(embedded::TEE, "far away");
-    far.panels.iter_mut().for_each(|panel| panel.placement.translation.x += 30.0);
+    far.panels.iter_mut().for_each(|panel| panel.placement.as_mut().unwrap().translation.x += 30.0);
     let fabric = Fabric::default();
     let garments = [(&tee, &fabric), (&far, &fabric)];
     let error = preposition_outfit(&garments, &body(), &levels(), &mut ()).err().expect("it is too far away");

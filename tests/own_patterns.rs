@@ -63,7 +63,7 @@ fn sewn_segments_have_equal_lengths_and_caps_have_their_ease() {
 fn right_sides_face_outward_and_areas_are_those_of_clothes() {
     for (pattern, least, most) in [(tee(), 0.55, 0.75), (dress(), 0.9, 1.3)] {
         for panel in &pattern.panels {
-            let away = panel.placement.translation.z;
+            let away = panel.placement.unwrap().translation.z;
             assert!(panel.outward_normal().z * away > 0.0, "{} faces the body", panel.name);
         }
         let area: f64 = pattern.panels.iter().map(|panel| panel.signed_area().abs()).sum();
@@ -92,7 +92,7 @@ fn seams_join_the_ends_that_are_nearer_to_each_other() {
         for seam in &pattern.seams {
             let [[a, b], [c, d]] = seam.sides.map(|side| {
                 let (panel, curve) = (&pattern.panels[side.panel], pattern.segment(side).curve);
-                [curve.start, curve.end].map(|p| panel.placement.place(p).xy())
+                [curve.start, curve.end].map(|p| panel.place(p).xy())
             });
             // Opposed sides: start meets end.
             let (straight, twisted) = ((a - d).norm() + (b - c).norm(), (a - c).norm() + (b - d).norm());
@@ -106,7 +106,7 @@ fn panels_keep_clear_of_the_mannequin_and_of_each_other() {
     let mesh = mesh();
     for pattern in [tee(), dress()] {
         for panel in &pattern.panels {
-            let (outline, z) = (in_front_view(panel), panel.placement.translation.z);
+            let (outline, z) = (in_front_view(panel), panel.placement.unwrap().translation.z);
             // All panels hang in planes of constant z. No triangle of the mannequin is larger than the slab is thick, so
             // one that crosses the plane has a corner in the slab.
             for p in mesh.positions.iter().filter(|p| (p.z - z).abs() < PANEL_CLEARANCE) {
@@ -116,7 +116,7 @@ fn panels_keep_clear_of_the_mannequin_and_of_each_other() {
         }
         for (i, a) in pattern.panels.iter().enumerate() {
             for b in &pattern.panels[i + 1..] {
-                let in_depth = (a.placement.translation.z - b.placement.translation.z).abs();
+                let in_depth = (a.placement.unwrap().translation.z - b.placement.unwrap().translation.z).abs();
                 let apart = in_depth >= PANEL_CLEARANCE || boxes_apart(a, b);
                 assert!(apart, "{}: {} and {} meet", pattern.name, a.name, b.name);
             }
@@ -211,7 +211,7 @@ fn length_of(pattern: &Pattern, label: SegmentLabel) -> f64 {
 /// The placed outline, seen from the front: a closed polygon, dense on every segment.
 fn in_front_view(panel: &Panel) -> Vec<Vector2> {
     let points = panel.segments.iter().flat_map(|s| (0..40).map(|i| s.curve.at_fraction(f64::from(i) / 40.0)));
-    points.map(|p| panel.placement.place(p).xy()).collect()
+    points.map(|p| panel.place(p).xy()).collect()
 }
 
 /// Cloth across the panel at a height above the floor, notches left out, m.

@@ -92,7 +92,7 @@ const DIRECTIONS: [[f64; 3]; 8] = {
 pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
     let mut positions = Vec::with_capacity(open.rest.len());
     for (panel, range) in pattern.panels.iter().zip(&open.panels) {
-        positions.extend(open.rest[range.points.clone()].iter().map(|&p| panel.placement.place(p)));
+        positions.extend(open.rest[range.points.clone()].iter().map(|&p| panel.place(p)));
     }
     positions
 }
@@ -105,7 +105,7 @@ pub fn check_placement(pattern: &Pattern, body: &Body) -> Result<(), Error> {
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
     for panel in &pattern.panels {
         let outline = panel.polygon(OUTLINE_POINTS);
-        let points: Vec<Vector3> = outline.iter().map(|&p| panel.placement.place(p)).collect();
+        let points: Vec<Vector3> = outline.iter().map(|&p| panel.place(p)).collect();
         let weight = panel.signed_area().abs();
         middle += points.iter().sum::<Vector3>() * (weight / points.len() as f64);
         area += weight;
@@ -454,7 +454,7 @@ mod tests {
         let segments =
             (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None }).collect();
         let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::new(0.0, y, z) };
-        Panel { name: name.to_owned(), segments, placement, part: None }
+        Panel::new(name, segments).at(placement)
     }
 
     #[test]

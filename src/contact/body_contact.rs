@@ -502,7 +502,7 @@ mod tests {
         let corners = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]].map(Vector2::from);
         let segments = (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None });
         let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::zeros() };
-        let panel = Panel { name: "cloth".into(), segments: segments.collect(), placement, part: None };
+        let panel = Panel::new("cloth", segments.collect()).at(placement);
         let pattern = Pattern { name: "cloth".into(), panels: vec![panel], seams: vec![] };
         let level = Garment::build(&pattern, &[0.03]).unwrap().levels.remove(0);
         let positions = level.rest.iter().map(|p| Vector3::new(p.x, 0.998 + 0.01 * (p.x * 40.0).sin(), p.y)).collect();

@@ -28,7 +28,7 @@ pub fn two_panels() -> (Pattern, Garment, Vec<Vector3>) {
     let mut positions = vec![Vector3::zeros(); level.particle_count];
     for (panel, range) in pattern.panels.iter().zip(&level.panels) {
         for point in range.points.clone() {
-            positions[level.particle_of[point] as usize] = panel.placement.place(level.rest[point]);
+            positions[level.particle_of[point] as usize] = panel.place(level.rest[point]);
         }
     }
     (pattern, garment, positions)

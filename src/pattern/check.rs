@@ -1,6 +1,6 @@
 //! All that would make it impossible to build a garment from a pattern.
 
-use super::{Panel, Pattern, SegmentId};
+use super::{Panel, Pattern, Placement, SegmentId};
 use crate::Error;
 use crate::geometry::Vector2;
 use std::collections::HashMap;
@@ -126,8 +126,9 @@ impl Panel {
     }
 
     fn check_extent(&self) -> Result<(), Error> {
-        let shift = self.placement.translation.norm();
-        if !(shift.is_finite() && self.placement.rotation.matrix().iter().all(|r| r.is_finite())) {
+        let shift = self.placement.as_ref().map_or(0.0, |placement| placement.translation.norm());
+        let turned = |placement: &Placement| placement.rotation.matrix().iter().all(|r| r.is_finite());
+        if !(shift.is_finite() && self.placement.as_ref().is_none_or(turned)) {
             return Err(Error::new(
                 "The placement is not finite.",
                 "Give the translation and rotation as plain numbers.",

@@ -32,8 +32,40 @@ pub struct Panel {
     /// The outline: a closed loop, each segment starting where the one before ended. Counter-clockwise
     /// when the right side of the fabric faces the panel's own +z, clockwise when it faces -z.
     pub segments: Vec<Segment>,
-    pub placement: Placement,
+    /// Where it starts around the body; none while it lies in the plane as it was drawn.
+    pub placement: Option<Placement>,
     pub part: Option<BodyPart>,
+    pub markings: Markings,
+    /// The fabric that it is cut from, by name, where that is not the garment's own.
+    pub fabric: Option<String>,
+}
+
+/// What is drawn on a panel besides its outline; panel coordinates, m.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Markings {
+    pub notches: Vec<Notch>,
+    /// From one end of the line to the other: the direction of the warp, whose sign says nothing.
+    pub grainline: Option<[Vector2; 2]>,
+    /// Drawn, not cut.
+    pub lines: Vec<Vec<Vector2>>,
+    pub drill_holes: Vec<Vector2>,
+}
+
+/// An alignment mark on the outline: at a fraction of the arc length of one of its segments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Notch {
+    pub segment: usize,
+    pub fraction: f64,
+    pub kind: NotchKind,
+}
+
+/// Marks of one kind meet marks of the same kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NotchKind {
+    /// One slit or point: the usual mark, and that of front pieces.
+    Single,
+    /// Two beside each other, or a point that stands for them: the mark of back pieces.
+    Double,
 }
 
 /// One curve of an outline, between two corners.
@@ -130,6 +162,27 @@ impl Pattern {
 }
 
 impl Panel {
+    /// A panel that lies in the plane as it was drawn, with nothing on it.
+    pub fn new(name: impl Into<String>, segments: Vec<Segment>) -> Self {
+        let name = name.into();
+        Self { name, segments, placement: None, part: None, markings: Markings::default(), fabric: None }
+    }
+
+    /// The same panel at a place.
+    pub fn at(self, placement: Placement) -> Self {
+        Self { placement: Some(placement), ..self }
+    }
+
+    /// Where a point of the panel starts in the world. The panel has a placement.
+    pub fn place(&self, point: Vector2) -> Vector3 {
+        self.start().place(point)
+    }
+
+    /// Its placement: whoever looks for it has placed the panel before.
+    fn start(&self) -> &Placement {
+        self.placement.as_ref().expect("the panel has a placement")
+    }
+
     pub fn corners(&self) -> impl Iterator<Item = Vector2> + '_ {
         self.segments.iter().map(|s| s.curve.start)
     }
@@ -143,9 +196,9 @@ impl Panel {
         self.segments.iter().map(|s| s.curve.length()).sum()
     }
 
-    /// Unit normal of the right side of the fabric at its start, in the world.
+    /// Unit normal of the right side of the fabric at its start, in the world. The panel has a placement.
     pub fn outward_normal(&self) -> Vector3 {
-        self.placement.rotation * Vector3::new(0.0, 0.0, self.signed_area().signum())
+        self.start().rotation * Vector3::new(0.0, 0.0, self.signed_area().signum())
     }
 
     /// Points along the outline, `per_curve` for each curved segment and one for each straight one.

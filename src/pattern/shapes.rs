@@ -7,7 +7,7 @@ pub fn polygon(name: &str, corners: &[[f64; 2]]) -> Panel {
     let corner = |k: usize| Vector2::from(corners[k % corners.len()]);
     let side = |k| Segment { curve: Curve::line(corner(k), corner(k + 1)), label: None };
     let placement = Placement { rotation: Rotation3::identity(), translation: Vector3::zeros() };
-    Panel { name: name.to_owned(), segments: (0..corners.len()).map(side).collect(), placement, part: None }
+    Panel::new(name, (0..corners.len()).map(side).collect()).at(placement)
 }
 
 /// A rectangle from the origin; its segments are bottom, right, top and left.
