@@ -7,7 +7,7 @@
 mod bending;
 mod block;
 mod hold;
-mod incidence;
+
 mod lanes;
 mod membrane;
 mod patch;
@@ -23,9 +23,9 @@ pub use tangent::Tangent;
 pub use wall::Wall;
 
 use crate::garment::Level;
+use crate::geometry::Incidence;
 use crate::geometry::Vector3;
 use crate::pattern::Cut;
-use incidence::Incidence;
 use patch::{Cloth, PATCH, Patch, PatchTerms, Scratch};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;

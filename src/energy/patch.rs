@@ -9,9 +9,9 @@
 
 use super::bending::{CrossSpring, HingeForm};
 use super::block::{SpringBlock, Steps, TriangleBlock};
-use super::incidence::Incidence;
 use super::lanes::Lanes;
 use super::membrane::Triangle;
+use crate::geometry::Incidence;
 use crate::geometry::Vector3;
 use std::ops::Range;
 

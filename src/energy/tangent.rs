@@ -5,9 +5,9 @@
 
 use super::Model;
 use super::bending::{Bending, HingeForm, hinge_form};
-use super::incidence::Incidence;
 use super::membrane::{self, Triangle};
 use crate::garment::Level;
+use crate::geometry::Incidence;
 use crate::geometry::Vector3;
 use crate::minimize::Pattern;
 use crate::pattern::Cut;

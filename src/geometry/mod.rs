@@ -1,5 +1,6 @@
 //! Geometry that knows nothing of cloth: points, triangles, distances, exact predicates.
 
+mod incidence;
 mod intersection;
 mod nearest;
 mod run_tree;
@@ -7,6 +8,7 @@ mod topology;
 mod tree;
 mod union_find;
 
+pub use incidence::Incidence;
 pub use intersection::{polygon_crossing, segment_meets_triangle, triangles_intersect};
 pub use nearest::{SegmentPair, closest_between_segments, closest_on_triangle, triangle_distance};
 pub use run_tree::RunTree;

@@ -160,6 +160,12 @@ impl Default for Fabric {
 }
 
 impl Fabric {
+    /// Of contact with the body, N/m. It is as stiff as the membrane: stiffer would slow a minimizer down, softer would
+    /// let tight cloth sink in.
+    pub fn contact_stiffness(&self) -> f64 {
+        self.stretch.warp.max(self.stretch.weft).max(self.shear)
+    }
+
     /// The preset of that name.
     pub fn named(name: &str) -> Result<Self, Error> {
         PRESETS.iter().find(|p| p.name == name).map(Preset::fabric).ok_or_else(|| {

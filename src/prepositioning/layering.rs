@@ -70,7 +70,7 @@ impl<'a> Layer<'a> {
     /// Planes between this layer and another one, which has to be inside of it or around it. Garments cross at `places`.
     fn walls(&self, places: &[Vector3], other: &Enclosure, is_inner: bool, margin: f64) -> Vec<Wall> {
         let is_near = |at: Vector3| places.iter().any(|place| (place - at).norm_squared() < NEAR * NEAR);
-        let stiffness = STIFFNESS * self.scene.settings.contact_stiffness(self.scene.fabric);
+        let stiffness = STIFFNESS * self.scene.fabric.contact_stiffness();
         let wall = |&particles: &[u32; 2]| {
             let at = self.at(particles);
             let nearest = other.nearest_cloth(at, REACH)?;

@@ -301,7 +301,7 @@ pub fn problem<'a, 'w>(
     energy.holds.extend(waists.into_iter().filter_map(|waist| waist.hold(scene, level, positions)));
     let contact = BodyContactSettings {
         clearance: settings.clearance,
-        stiffness: settings.contact_stiffness(scene.fabric),
+        stiffness: scene.fabric.contact_stiffness(),
         friction: 0.0,
     };
     let contact = BodyContact::new(scene.body, scene.field, cloth, contact);

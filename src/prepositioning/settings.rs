@@ -87,12 +87,6 @@ impl Settings {
         Ok(())
     }
 
-    /// Contact is as stiff as the membrane: stiffer would slow the minimizer down, softer would let
-    /// tight cloth sink in.
-    pub(super) fn contact_stiffness(&self, fabric: &Fabric) -> f64 {
-        fabric.stretch.warp.max(fabric.stretch.weft).max(fabric.shear)
-    }
-
     pub(super) fn steps(&self, level: &Level) -> Steps {
         Steps { evaluations: 0, largest_move: LARGEST_MOVE * level.resolution, restart_after: RESTART_AFTER }
     }
@@ -105,13 +99,7 @@ impl Settings {
         fabric: &Fabric,
         positions: &[Vector3],
     ) -> SelfContact {
-        let settings = SelfContactSettings {
-            // Coarse cloth keeps farther apart, which leaves room for the finer.
-            clearance: fabric.thickness.max(SELF_CLEARANCE * level.resolution),
-            stiffness: SELF_STIFFNESS * self.contact_stiffness(fabric),
-            reach: SELF_REACH * level.resolution,
-        };
-        let mut cloth = SelfContact::new(level, classes, settings);
+        let mut cloth = SelfContact::new(level, classes, SelfContactSettings::of(level.resolution, fabric));
         cloth.rebuild(positions);
         cloth
     }
@@ -129,10 +117,3 @@ const LARGEST_MOVE: f64 = 0.17;
 /// Steps of conjugate gradients until the direction is the gradient again: more than any run has, as
 /// each run starts with the gradient.
 const RESTART_AFTER: usize = 200;
-/// Clearance between layers of cloth, in resolutions, where the fabric is thinner.
-const SELF_CLEARANCE: f64 = 0.1;
-/// Stiffness of cloth against cloth over that of cloth against the body.
-pub(super) const SELF_STIFFNESS: f64 = 0.4;
-/// Pairs nearer than this, in resolutions, are followed: less than the height of a triangle, so that
-/// flat cloth has none.
-const SELF_REACH: f64 = 0.7;

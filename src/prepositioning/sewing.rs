@@ -6,11 +6,10 @@
 //! garment outwards.
 
 use super::problem::Relaxation;
-use super::settings::SELF_STIFFNESS;
 use super::{Event, Observer, Scene};
 use crate::arrangement::Arrangement;
 use crate::assess::cloth_intersections;
-use crate::contact::{BodyContact, BodyContactSettings};
+use crate::contact::{BodyContact, BodyContactSettings, SELF_STIFFNESS};
 use crate::energy::{Energy, Hold, Stitches};
 use crate::garment::Level;
 use crate::geometry::{Edge, EdgeTable, Vector3};
@@ -183,7 +182,7 @@ fn problem<'a>(scene: &Scene<'a>, positions: &[Vector3]) -> Relaxation<'a> {
     energy.holds = holds(scene.pattern, open, positions);
     let contact = BodyContactSettings {
         clearance: settings.clearance - SHRINKAGE,
-        stiffness: settings.contact_stiffness(scene.fabric).max(LEAST_CONTACT_STIFFNESS),
+        stiffness: scene.fabric.contact_stiffness().max(LEAST_CONTACT_STIFFNESS),
         friction: 0.0,
     };
     let contact = BodyContact::new(scene.body, scene.field, open, contact);

@@ -17,6 +17,7 @@ mod repulsion;
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::CHUNK;
+use crate::pattern::Fabric;
 pub use hessian::PairHessian;
 use pairs::{Kind, Pair, PairFinder, Span};
 use rayon::prelude::*;
@@ -31,6 +32,26 @@ pub struct SelfContactSettings {
     pub stiffness: f64,
     /// Pairs nearer than this are followed, m; more than the clearance, less than an edge.
     pub reach: f64,
+}
+
+/// Clearance between layers of cloth, in resolutions, where the fabric is thinner.
+const CLEARANCE: f64 = 0.1;
+/// Stiffness of cloth against cloth over that of cloth against the body.
+pub const SELF_STIFFNESS: f64 = 0.4;
+/// Pairs nearer than this, in resolutions, are followed: less than the height of a triangle, so that
+/// flat cloth has none.
+const REACH: f64 = 0.7;
+
+impl SelfContactSettings {
+    /// For cloth at a resolution, m.
+    pub fn of(resolution: f64, fabric: &Fabric) -> Self {
+        Self {
+            // Coarse cloth keeps farther apart, which leaves room for the finer.
+            clearance: fabric.thickness.max(CLEARANCE * resolution),
+            stiffness: SELF_STIFFNESS * fabric.contact_stiffness(),
+            reach: REACH * resolution,
+        }
+    }
 }
 
 /// Cloth that starts nearer to other cloth than this share of the reach lies on it, as panels do that
