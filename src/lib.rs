@@ -6,6 +6,7 @@ pub mod assess;
 pub mod body;
 pub mod cli;
 pub mod contact;
+pub mod dynamics;
 pub mod energy;
 pub mod error;
 pub mod garment;

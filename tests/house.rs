@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Rooms from the cellar up; a room uses those in the lines above its own. `error` is carried everywhere.
-const FLOORS: [&[&str]; 9] = [
+const FLOORS: [&[&str]; 10] = [
     &["error"],
     &["geometry"],
     &["minimize"],
@@ -11,6 +11,7 @@ const FLOORS: [&[&str]; 9] = [
     &["garment"],
     &["energy", "contact", "assess", "arrangement"],
     &["prepositioning"],
+    &["dynamics"],
     &["io"],
     &["cli"],
 ];

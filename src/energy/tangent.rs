@@ -86,6 +86,14 @@ impl Tangent {
         }
     }
 
+    /// Diagonal entry of the bending's Hessian, N/m.
+    pub fn bending_diagonal(&self, particle: usize) -> f64 {
+        let BendingRows { starts, columns, values } = &self.bending;
+        let range = starts[particle] as usize..starts[particle + 1] as usize;
+        let own = columns[range.clone()].iter().position(|&column| column as usize == particle);
+        own.map_or(0.0, |within| values[range][within])
+    }
+
     /// Row of the bending's Hessian times a direction.
     #[inline]
     pub fn bending_times(&self, particle: usize, direction: &[Vector3]) -> Vector3 {

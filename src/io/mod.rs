@@ -6,6 +6,7 @@
 
 pub mod atomic;
 pub mod body_obj;
+pub mod checkpoint;
 pub mod comparison;
 pub mod embedded;
 pub mod fabric_toml;
@@ -19,6 +20,7 @@ pub mod process;
 pub mod read;
 pub mod report;
 pub mod settings_toml;
+pub mod simulation_report;
 pub mod state;
 
 mod toml_keys;

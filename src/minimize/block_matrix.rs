@@ -139,6 +139,12 @@ impl BlockMatrix {
         &self.blocks[self.pattern.range(row)]
     }
 
+    /// The block on the diagonal.
+    pub fn own_block(&self, row: usize) -> Matrix3<f64> {
+        let within = self.pattern.row(row).binary_search(&(row as u32)).expect("rows have their diagonal");
+        self.row(row)[within]
+    }
+
     /// Row of the matrix times a vector.
     #[inline]
     pub fn row_times(&self, row: usize, vector: &[Vector3]) -> Vector3 {

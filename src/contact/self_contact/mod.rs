@@ -163,6 +163,12 @@ impl SelfContact {
         self.follow(found);
     }
 
+    /// Forgets what was followed: the next pairs are those of cloth that is seen for the first time.
+    pub fn forget(&mut self) {
+        self.origin.clear();
+        self.excused.clear();
+    }
+
     /// Distance of what lies on one another, m.
     fn touching(&self) -> f64 {
         TOUCHING * self.settings.reach

@@ -3,6 +3,7 @@
 //! * [`preview()`]: garment and body from three sides;
 //! * [`strain()`]: the stretch in colors, with a scale;
 //! * [`convergence()`]: energy and residual against evaluations, as SVG;
+//! * [`Film`]: frames of a simulation;
 //! * [`rivals()`]: several runs against evaluations and seconds, as SVG;
 //! * [`render()`]: any [`Scene`] of [`Surface`]s in a [`View`], for everything else.
 //!
@@ -33,6 +34,7 @@ mod coverage;
 mod crossings;
 mod depth_map;
 mod diverging;
+mod film;
 mod image;
 mod key_light;
 mod preview;
@@ -51,6 +53,7 @@ pub use camera::View;
 pub use color::{Color, color_from_srgb};
 pub use convergence::{Curve, CurvePoint, convergence};
 pub use crossings::crossings;
+pub use film::Film;
 pub use image::{Image, MAX_SIDE};
 pub use preview::preview;
 pub use render::render;

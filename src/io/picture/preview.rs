@@ -13,7 +13,7 @@ const WIDTH: u32 = 1800;
 
 /// Body: warm grey, matte, lighter than most cloth. Garment: a muted blue, of medium lightness so that both lit and
 /// shaded sides of a fold have room. sRGB.
-const BODY_COLOR: u32 = 0xc9beb4;
+pub(super) const BODY_COLOR: u32 = 0xc9beb4;
 const GARMENT_COLOR: u32 = 0x5585a2;
 
 /// How far the tint of a panel may differ from the garment's color, in Oklab: just enough to tell neighbours apart.
@@ -51,7 +51,7 @@ pub fn preview(garment: &GarmentView, body: &BodyView) -> Vec<u8> {
 }
 
 /// One color per triangle: the garment's, a little different for each panel.
-fn panel_tints(garment: &GarmentView) -> Vec<Color> {
+pub(super) fn panel_tints(garment: &GarmentView) -> Vec<Color> {
     let base = oklab_from_linear(color_from_srgb(GARMENT_COLOR));
     let panel = |triangle: usize| garment.panels.get(triangle).copied().unwrap_or(0);
     (0..garment.triangles.len()).map(|triangle| tint(base, panel(triangle))).collect()

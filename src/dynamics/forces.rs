@@ -1,0 +1,217 @@
+//! What moves cloth: its energy and its contact with itself, as in the fit, and what only moving cloth feels.
+//!
+//! ```text
+//!     m a = -∂E/∂x  +  Σ c n nᵀ (v_j - v_i)  -  drag m (v - w)  +  pressure of the wind     (theory, equation 22)
+//! ```
+//!
+//! The first term is the gradient that the fit minimizes. The second damps vibrations along edges, of direction `n`,
+//! and leaves turning cloth alone. Contact with the body is no force but changes velocities (`response.rs`).
+
+use super::integrator::for_all;
+use super::settings::Settings;
+use super::stability::Pace;
+use crate::contact::{SelfContact, SelfContactSettings};
+use crate::energy::{Energy, GRAVITY, Model, Terms};
+use crate::garment::Level;
+use crate::geometry::{EdgeTable, Incidence, Vector3};
+use crate::minimize::{CHUNK, dot};
+use crate::pattern::{Cut, Fabric};
+use rayon::prelude::*;
+
+/// Of air, kg/m³.
+const AIR_DENSITY: f64 = 1.2;
+/// Drag coefficient of a plate across the wind.
+const PLATE_DRAG: f64 = 1.2;
+/// Rates of change of a particle's surroundings that a stable step has to resolve: each pair of layers in contact
+/// binds it once.
+const LAYERS: f64 = 2.0;
+/// Rounds of power iteration; what they miss of the fastest vibration is in the reserve.
+const POWER_ROUNDS: usize = 40;
+/// Steps of `2 / ω` are the longest that are stable; this much is used, as stretched cloth is a little stiffer.
+const USED: f64 = 1.8;
+
+/// All forces on the cloth of one level.
+pub struct Forces {
+    pub energy: Energy,
+    cloth: Option<SelfContact>,
+    pub pace: Pace,
+    /// The other ends of each particle's edges.
+    neighbours: Neighbours,
+    /// kg/s, of the damping along every edge.
+    viscosity: Vec<f64>,
+    drag: f64,
+    wind: Option<Wind>,
+    /// Energies of the last evaluation.
+    pub terms: Terms,
+}
+
+impl Forces {
+    /// For cloth that is at `positions` now, m.
+    pub fn new<'a>(
+        level: &Level,
+        cut: impl Into<Cut<'a>>,
+        fabric: &Fabric,
+        model: Model,
+        settings: &Settings,
+        positions: &[Vector3],
+    ) -> Self {
+        let mut energy = Energy::new(level, cut, model);
+        energy.gravity = GRAVITY;
+        let contact = SelfContactSettings::of(level.resolution, fabric);
+        let layers = if settings.self_collision { LAYERS * contact.stiffness } else { 0.0 };
+        let diagonal = energy.diagonal();
+        // How fast the fastest vibration is, as against what single particles would have by themselves.
+        let alone = Pace::new(energy.masses(), &diagonal, settings.added_mass);
+        let coupled = (fastest(&mut energy, &alone.inertia, positions) * alone.step / USED).powi(2);
+        let stiffness: Vec<f64> = diagonal.iter().map(|d| coupled * d + layers).collect();
+        let pace = Pace::new(energy.masses(), &stiffness, settings.added_mass);
+        let neighbours = Neighbours::new(level);
+        // Critical damping of two particles that are bound as tightly as the step allows.
+        let viscosity = pace.inertia.iter().map(|m| settings.damping * m / (pace.step * MOST_NEIGHBOURS)).collect();
+        let wind = (settings.wind != Vector3::zeros()).then(|| Wind::new(level, settings.wind));
+        let classes = (0..level.particle_count as u32).collect();
+        let cloth = settings.self_collision.then(|| SelfContact::new(level, classes, contact));
+        Self { energy, cloth, pace, neighbours, viscosity, drag: settings.drag, wind, terms: Terms::default() }
+    }
+
+    /// Forgets what contact of the cloth with itself has followed, and looks at `positions` afresh.
+    pub fn look_afresh(&mut self, positions: &[Vector3]) {
+        if let Some(cloth) = &mut self.cloth {
+            cloth.forget();
+            cloth.rebuild(positions);
+        }
+    }
+
+    /// Accelerations, m/s², of cloth at `positions`, m, that moves with `velocities`, m/s.
+    pub fn accelerations(&mut self, positions: &[Vector3], velocities: &[Vector3], accelerations: &mut [Vector3]) {
+        self.gradient(positions, accelerations);
+        let Self { energy, pace, neighbours, viscosity, drag, wind, .. } = self;
+        let (masses, wind) = (energy.masses(), wind.as_ref());
+        accelerations.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, accelerations)| {
+            for (k, a) in accelerations.iter_mut().enumerate() {
+                let p = chunk * CHUNK + k;
+                let mut force = -*a - velocities[p] * (*drag * masses[p]);
+                for &q in neighbours.of(p) {
+                    let q = q as usize;
+                    let span = positions[q] - positions[p];
+                    let along = (velocities[q] - velocities[p]).dot(&span) / span.norm_squared().max(f64::MIN_POSITIVE);
+                    force += span * (along * viscosity[p].min(viscosity[q]));
+                }
+                if let Some(wind) = wind {
+                    force += wind.force(p, positions, velocities);
+                }
+                *a = force / pace.inertia[p];
+            }
+        });
+    }
+
+    /// Gradient of all energies, N.
+    pub fn gradient(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) {
+        self.terms = self.energy.evaluate(positions, gradient);
+        if let Some(cloth) = &mut self.cloth {
+            cloth.evaluate(positions, gradient);
+        }
+    }
+
+    /// Shortens moves, m, that would carry cloth through cloth.
+    pub fn limit(&mut self, positions: &[Vector3], moves: &mut [Vector3]) -> bool {
+        self.cloth.as_mut().is_some_and(|cloth| cloth.limit(positions, moves) > 0)
+    }
+
+    pub fn cloth(&self) -> Option<&SelfContact> {
+        self.cloth.as_ref()
+    }
+}
+
+/// Frequency of the fastest vibration about `positions`, rad/s, by power iteration on `M⁻¹ H`, whose products are
+/// differences of gradients.
+fn fastest(energy: &mut Energy, inertia: &[f64], positions: &[Vector3]) -> f64 {
+    /// The longest move of a trial, m.
+    const TRIAL: f64 = 1e-7;
+    // No pattern that a vibration could be blind to, and the same every time.
+    let wave = |k: usize, step: f64| (k as f64 * step + 1.0).sin();
+    let mut mode: Vec<Vector3> =
+        (0..positions.len()).map(|k| Vector3::new(wave(k, 12.9898), wave(k, 78.233), wave(k, 37.719))).collect();
+    let mut gradients = [vec![Vector3::zeros(); positions.len()], vec![Vector3::zeros(); positions.len()]];
+    let mut at = positions.to_vec();
+    let mut squared = 0.0;
+    for _ in 0..POWER_ROUNDS {
+        let longest = mode.par_iter().map(|m| m.norm_squared()).reduce(|| 0.0, f64::max).sqrt();
+        if longest == 0.0 {
+            return 0.0;
+        }
+        let by = TRIAL / longest;
+        for (gradient, sign) in gradients.iter_mut().zip([1.0, -1.0]) {
+            for_all(&mut at, |p, x| *x = positions[p] + mode[p] * (sign * by));
+            energy.evaluate(&at, gradient);
+        }
+        let [ahead, behind] = &gradients;
+        let before = dot(&mode, &mode);
+        for_all(&mut mode, |p, m| *m = (ahead[p] - behind[p]) / (2.0 * by * inertia[p]));
+        squared = (dot(&mode, &mode) / before).sqrt();
+        for_all(&mut mode, |_, m| *m /= squared.max(f64::MIN_POSITIVE));
+    }
+    squared.sqrt()
+}
+
+/// Particles have six neighbours inside a panel.
+const MOST_NEIGHBOURS: f64 = 6.0;
+
+/// For each particle the other ends of its edges, in a fixed order.
+struct Neighbours {
+    starts: Vec<u32>,
+    ends: Vec<u32>,
+}
+
+impl Neighbours {
+    fn new(level: &Level) -> Self {
+        let edges = EdgeTable::new(&level.particle_triangles()).edges;
+        let incidence = Incidence::new(level.particle_count, edges.iter().map(|e| e.ends));
+        let (mut starts, mut ends) = (vec![0], Vec::with_capacity(2 * edges.len()));
+        for p in 0..level.particle_count {
+            ends.extend(incidence.slots(p).iter().map(|&slot| edges[slot as usize / 2].ends[1 - slot as usize % 2]));
+            starts.push(ends.len() as u32);
+        }
+        Self { starts, ends }
+    }
+
+    fn of(&self, particle: usize) -> &[u32] {
+        &self.ends[self.starts[particle] as usize..self.starts[particle + 1] as usize]
+    }
+}
+
+/// The pressure of air that blows through the scene.
+struct Wind {
+    /// m/s.
+    velocity: Vector3,
+    triangles: Vec<[u32; 3]>,
+    triangles_at: Incidence,
+}
+
+impl Wind {
+    fn new(level: &Level, velocity: Vector3) -> Self {
+        let triangles = level.particle_triangles();
+        let triangles_at = Incidence::new(level.particle_count, triangles.iter().copied());
+        Self { velocity, triangles, triangles_at }
+    }
+
+    /// On a particle, N: `½ ρ c_d A |u_n| u_n` along the normal for the share `A` of the cloth around it, where the air
+    /// blows with `u` against it.
+    fn force(&self, particle: usize, positions: &[Vector3], velocities: &[Vector3]) -> Vector3 {
+        let slots = self.triangles_at.slots(particle).iter();
+        let area: Vector3 = slots
+            .map(|&slot| {
+                let [a, b, c] = self.triangles[slot as usize / 3].map(|p| positions[p as usize]);
+                // A third of the triangle's area.
+                (b - a).cross(&(c - a)) / 6.0
+            })
+            .sum();
+        let size = area.norm();
+        if size == 0.0 {
+            return area;
+        }
+        let normal = area / size;
+        let against = (self.velocity - velocities[particle]).dot(&normal);
+        normal * (0.5 * AIR_DENSITY * PLATE_DRAG * size * against * against.abs())
+    }
+}

@@ -1,0 +1,193 @@
+//! Explicit dynamics: cloth that starts from a fitted garment and is moved through time.
+//!
+//! The particles, the energies and the contact of cloth with cloth are those of the fit; a step adds what only moving
+//! things have:
+//!
+//! ```text
+//!     velocities and moves by an integrator        integrator.rs, implicit.rs; forces in forces.rs, step in stability.rs
+//!     edges stretched to their limit               super_elasticity.rs (Vassilev and Spanlang 2001)
+//!     velocities against the moving body           response.rs, surface.rs, broad_phase.rs (Kaynar Kabul 2004)
+//!     moves that lead through no cloth             contact::SelfContact
+//!     what is in the body is put back              response.rs
+//! ```
+//!
+//! A frame depends on the positions, the velocities and the body alone: what contact remembers is forgotten at its
+//! start, so that a simulation that was stopped between two frames goes on with the same bytes.
+//!
+//! Not promised: that layers which a body squeezes together do not cross. The body wins.
+
+mod broad_phase;
+mod forces;
+mod implicit;
+mod integrator;
+mod response;
+mod rest;
+mod settings;
+mod stability;
+mod super_elasticity;
+mod surface;
+
+pub use forces::Forces;
+pub use integrator::Movement;
+pub use response::Met;
+pub use rest::{Resting, come_to_rest};
+pub use settings::{BroadPhase, Integrator, Settings};
+pub use stability::Pace;
+pub use super_elasticity::SuperElasticity;
+pub use surface::{Place, Surface};
+
+use crate::energy::Model;
+use crate::garment::Level;
+use crate::geometry::Vector3;
+use crate::pattern::{Cut, Fabric};
+use implicit::Implicit;
+use integrator::{Stepper, for_all};
+use rayon::prelude::*;
+use response::Response;
+
+/// Cloth of one level that moves about a body.
+pub struct Simulation {
+    pub movement: Movement,
+    forces: Forces,
+    stepper: Stepper,
+    elastic: SuperElasticity,
+    response: Response,
+    velocities: Vec<Vector3>,
+    moves: Vec<Vector3>,
+}
+
+/// What a frame, or any number of steps, was like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Course {
+    pub steps: usize,
+    pub evaluations: usize,
+    /// Simulated, s.
+    pub elapsed: f64,
+    /// s.
+    pub shortest_step: f64,
+    /// m/s, of any particle at the end of any step.
+    pub largest_speed: f64,
+    /// Root mean square of all speeds at the end, m/s.
+    pub rms_speed: f64,
+    /// At the end.
+    pub largest_strain: f64,
+    /// Of the last step; the deepest of all steps.
+    pub met: Met,
+}
+
+impl Simulation {
+    /// Cloth that rests at `positions`, one per particle, m, world. Edges that are stretched beyond the fabric's limit
+    /// there may stay so.
+    pub fn new<'a>(
+        level: &Level,
+        cut: impl Into<Cut<'a>>,
+        fabric: &Fabric,
+        model: Model,
+        settings: &Settings,
+        positions: Vec<Vector3>,
+    ) -> Self {
+        let (count, cut) = (level.particle_count, cut.into());
+        assert_eq!(positions.len(), count, "a position for each particle");
+        let implicit =
+            (settings.integrator == Integrator::Implicit).then(|| Implicit::new(level, cut, model, settings.drag));
+        Self {
+            forces: Forces::new(level, cut, fabric, model, settings, &positions),
+            stepper: Stepper::new(settings, implicit, count),
+            elastic: SuperElasticity::new(level, settings.stretch_limit(fabric), &positions),
+            response: Response::new(count, settings.clearance, fabric.friction, settings.restitution),
+            movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
+            velocities: vec![Vector3::zeros(); count],
+            moves: vec![Vector3::zeros(); count],
+        }
+    }
+
+    /// Holds some particles where they are.
+    pub fn pin(&mut self, particles: &[u32]) {
+        particles.iter().for_each(|&p| self.forces.pace.inertia[p as usize] = PINNED);
+    }
+
+    pub fn forces(&mut self) -> &mut Forces {
+        &mut self.forces
+    }
+
+    /// The step that the integrator would take, s.
+    pub fn step_length(&self) -> f64 {
+        self.stepper.step(&self.forces)
+    }
+
+    /// Forgets all that is not a function of the movement.
+    pub fn look_afresh(&mut self) {
+        self.forces.look_afresh(&self.movement.positions);
+        self.response.look_afresh();
+        self.stepper.forget();
+    }
+
+    /// Moves on by `duration`, s, in which the body moves to the end of its frame.
+    pub fn frame(&mut self, surface: &mut Surface, duration: f64) -> Course {
+        self.look_afresh();
+        self.run(surface, duration, |_| false)
+    }
+
+    /// Moves on by `duration`, s, in equal steps where the integrator leaves them equal, or until `done` says of a step
+    /// that it was the last.
+    pub fn run(&mut self, surface: &mut Surface, duration: f64, mut done: impl FnMut(&Course) -> bool) -> Course {
+        let before = self.stepper.evaluations;
+        let mut course = Course { shortest_step: f64::INFINITY, ..Course::default() };
+        let mut elapsed = 0.0;
+        while elapsed < duration {
+            let left = duration - elapsed;
+            let wanted = left / (left / self.step_length()).ceil().max(1.0);
+            let (step, met) = self.step(surface, wanted, (elapsed, duration));
+            elapsed = if duration - elapsed - step < SLIVER * duration { duration } else { elapsed + step };
+            let squared = self.movement.velocities.par_iter().map(|v| v.norm_squared());
+            let largest = squared.reduce(|| 0.0, f64::max).sqrt();
+            course.steps += 1;
+            course.elapsed = elapsed;
+            course.shortest_step = course.shortest_step.min(step);
+            course.largest_speed = course.largest_speed.max(largest);
+            course.met = Met { deepest: course.met.deepest.max(met.deepest), ..met };
+            course.rms_speed = rms(&self.movement.velocities);
+            if done(&course) {
+                break;
+            }
+        }
+        course.evaluations = self.stepper.evaluations - before;
+        course.largest_strain = self.elastic.largest_strain(&self.movement.positions);
+        course
+    }
+
+    /// One step of at most `step`, s, at a time within a frame of some duration; returns the step taken.
+    fn step(&mut self, surface: &mut Surface, step: f64, (elapsed, duration): (f64, f64)) -> (f64, Met) {
+        let Self { movement, forces, stepper, elastic, response, velocities, moves } = self;
+        let step = stepper.advance(forces, movement, step, velocities, moves);
+        // Mean velocities over the step, which limits and contact act upon; what they change stays in the new ones.
+        let mean = moves;
+        for_all(mean, |_, m| *m /= step);
+        for_all(velocities, |p, v| *v -= mean[p]);
+        elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
+        let met = response.respond(surface, &movement.positions, mean, step);
+        for_all(mean, |_, m| *m *= step);
+        forces.limit(&movement.positions, mean);
+        for_all(velocities, |p, v| *v += mean[p] / step);
+        for_all(&mut movement.positions, |p, x| *x += mean[p]);
+        movement.velocities.copy_from_slice(velocities);
+        surface.advance((elapsed + step) / duration);
+        let back = response.put_back(surface, &mut movement.positions, &mut movement.velocities);
+        (step, Met { interfering: back.interfering, deepest: back.deepest, ..met })
+    }
+}
+
+/// Inertia of what is held, kg: no force moves it by what shows in an f64.
+const PINNED: f64 = 1e18;
+/// What is left of a frame is no step of its own if it is a smaller share.
+const SLIVER: f64 = 1e-9;
+
+/// Root mean square of lengths. Summed in chunks of a fixed size, so that threads change nothing.
+fn rms(vectors: &[Vector3]) -> f64 {
+    let sums: Vec<f64> =
+        vectors.par_chunks(crate::minimize::CHUNK).map(|chunk| chunk.iter().map(|v| v.norm_squared()).sum()).collect();
+    (sums.iter().sum::<f64>() / vectors.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests;

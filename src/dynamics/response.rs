@@ -1,0 +1,291 @@
+//! What a body does to cloth that comes near it: changes of velocity and, where cloth is in it, of place.
+//!
+//! Each particle keeps track of the place of the skin that is nearest to it. By its distance `d` from there it is in
+//! one of four classes (Kaynar Kabul 2004, chapter 5):
+//!
+//! ```text
+//!     free           d > δ + b                nothing
+//!     proximity      δ < d ≤ δ + b            a penalty along the closest-point direction: approach is slowed down, the
+//!                                             more the nearer, so that cloth arrives softly; not where it is to rebound
+//!     contact        d ≤ δ after the step     a velocity that keeps δ: reflection and friction in the body's frame
+//!     interference   d < 0                    put back on the skin
+//! ```
+//!
+//! `δ` is the clearance. The velocity of the skin is that of the moving triangle at the foot's barycentric weights.
+//! Contact is no spring: what rests on the body rests there in exactly the balance of the fit.
+//!
+//! Friction is Coulomb's: a change of the normal velocity by `Δv` takes up to `μ Δv` from the tangential one.
+
+use super::surface::{Place, Surface};
+use crate::geometry::Vector3;
+use crate::minimize::CHUNK;
+use rayon::prelude::*;
+
+/// Width `b` of the band in which approach is slowed down, m: a step at a metre a second is a tenth of a millimetre.
+const BAND: f64 = 5e-4;
+/// Cloth inside its clearance regains it at this speed, m/s: fast enough to follow a limb that turns under it, slow
+/// enough not to throw it off.
+const RECOVERY: f64 = 0.05;
+/// Particles within this distance of the skin follow their place step by step, m; those farther away are looked for
+/// again when they may have come within it.
+const NEAR: f64 = 0.012;
+/// How far away the nearest place is looked for, m.
+const REACH: f64 = 0.12;
+/// After so many steps a place that is followed is looked for again: a nearer one may have come from elsewhere.
+const FOLLOWED: u32 = 16;
+/// Impacts slower than this are no impacts, m/s: gravity over a step.
+const SLOWEST_IMPACT: f64 = 0.05;
+
+/// What is known of a particle and the skin.
+#[derive(Clone, Copy, Debug)]
+struct Track {
+    /// Of the nearest place, if the particle is near one.
+    triangle: Option<u32>,
+    /// Steps since it was looked for.
+    age: u32,
+    /// How far it and the skin may still move against each other before it can be near, m.
+    slack: f64,
+}
+
+impl Track {
+    const UNKNOWN: Track = Track { triangle: None, age: 0, slack: f64::NEG_INFINITY };
+}
+
+/// Contact of particles with a moving surface.
+pub struct Response {
+    tracks: Vec<Track>,
+    friction: f64,
+    restitution: f64,
+    clearance: f64,
+}
+
+/// How a step met the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Met {
+    pub in_contact: usize,
+    /// Particles that had to be put back on the skin.
+    pub interfering: usize,
+    /// The deepest of them, m.
+    pub deepest: f64,
+}
+
+impl Met {
+    fn and(self, other: Met) -> Met {
+        Met {
+            in_contact: self.in_contact + other.in_contact,
+            interfering: self.interfering + other.interfering,
+            deepest: self.deepest.max(other.deepest),
+        }
+    }
+}
+
+impl Response {
+    pub fn new(particles: usize, clearance: f64, friction: f64, restitution: f64) -> Self {
+        Self { tracks: vec![Track::UNKNOWN; particles], friction, restitution, clearance }
+    }
+
+    /// Forgets all places: they are looked for again.
+    pub fn look_afresh(&mut self) {
+        self.tracks.fill(Track::UNKNOWN);
+    }
+
+    /// Changes velocities, m/s, of particles at `positions`, m, so that after `step`, s, they are clear of the surface,
+    /// which will have moved as well.
+    pub fn respond(&mut self, surface: &Surface, positions: &[Vector3], velocities: &mut [Vector3], step: f64) -> Met {
+        let (friction, restitution, clearance) = (self.friction, self.restitution, self.clearance);
+        let chunks =
+            self.tracks.par_chunks_mut(CHUNK).zip(positions.par_chunks(CHUNK)).zip(velocities.par_chunks_mut(CHUNK));
+        let met = chunks.map(|((tracks, positions), velocities)| {
+            let mut met = Met::default();
+            for ((track, &position), velocity) in tracks.iter_mut().zip(positions).zip(velocities) {
+                let Some(place) = track.follow(surface, position, *velocity, step) else { continue };
+                let skin = surface.velocity(&place);
+                let (normal, relative) = (place.normal, *velocity - skin);
+                let approach = relative.dot(&normal);
+                let gap = place.distance - clearance;
+                let arrives = gap + approach * step <= 0.0;
+                let least = if gap <= 0.0 || arrives {
+                    met.in_contact += 1;
+                    let rebound = if approach < -SLOWEST_IMPACT { -restitution * approach } else { f64::NEG_INFINITY };
+                    (-gap / step).min(RECOVERY).max(rebound)
+                } else if gap < BAND && restitution == 0.0 {
+                    approach * (gap / BAND)
+                } else {
+                    continue;
+                };
+                if place.distance < 0.0 {
+                    met.interfering += 1;
+                    met.deepest = met.deepest.max(-place.distance);
+                }
+                if approach < least {
+                    let push = least - approach;
+                    let along = relative - normal * approach;
+                    let speed = along.norm();
+                    // Neither a rebound nor the way back to the clearance presses.
+                    let grip = (friction * (push - least.max(0.0))).min(speed);
+                    let slowed = if speed > 0.0 { along * (1.0 - grip / speed) } else { along };
+                    *velocity = skin + slowed + normal * least;
+                }
+            }
+            met
+        });
+        met.reduce(Met::default, Met::and)
+    }
+
+    /// Puts particles that are in the body back on the skin, and has them move with it.
+    pub fn put_back(&mut self, surface: &Surface, positions: &mut [Vector3], velocities: &mut [Vector3]) -> Met {
+        let chunks =
+            self.tracks.par_chunks(CHUNK).zip(positions.par_chunks_mut(CHUNK)).zip(velocities.par_chunks_mut(CHUNK));
+        let met = chunks.map(|((tracks, positions), velocities)| {
+            let mut met = Met::default();
+            for ((track, position), velocity) in tracks.iter().zip(positions).zip(velocities) {
+                let Some(triangle) = track.triangle else { continue };
+                let place = surface.refine(*position, triangle);
+                if place.distance < 0.0 {
+                    met.interfering += 1;
+                    met.deepest = met.deepest.max(-place.distance);
+                    *position = place.point + place.normal * ON_TOP;
+                    let inward = (*velocity - surface.velocity(&place)).dot(&place.normal).min(0.0);
+                    *velocity -= place.normal * inward;
+                }
+            }
+            met
+        });
+        met.reduce(Met::default, Met::and)
+    }
+}
+
+/// What was put back lies this far above the skin, m.
+const ON_TOP: f64 = 1e-5;
+
+impl Track {
+    /// The nearest place, if the particle can touch it within the step.
+    fn follow(&mut self, surface: &Surface, position: Vector3, velocity: Vector3, step: f64) -> Option<Place> {
+        self.slack -= (velocity.norm() + surface.largest_speed()) * step;
+        let followed = self.triangle.filter(|_| self.age < FOLLOWED);
+        let place = match followed {
+            Some(triangle) => {
+                self.age += 1;
+                surface.refine(position, triangle)
+            }
+            None if self.slack > 0.0 => return None,
+            None => {
+                self.age = 0;
+                match surface.nearest(position, REACH) {
+                    Some(place) => place,
+                    None => {
+                        (self.triangle, self.slack) = (None, REACH - NEAR);
+                        return None;
+                    }
+                }
+            }
+        };
+        if place.distance > NEAR {
+            (self.triangle, self.slack) = (None, place.distance - NEAR);
+            return None;
+        }
+        self.triangle = Some(place.triangle);
+        Some(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::settings::BroadPhase;
+
+    /// The top of a large flat box, y = 0.
+    fn floor() -> Surface {
+        let corner = |k: usize| {
+            let side = |bit: usize| if k >> bit & 1 == 1 { 2.0 } else { -2.0 };
+            Vector3::new(side(0), if k >> 1 & 1 == 1 { 0.0 } else { -1.0 }, side(2))
+        };
+        let positions: Vec<Vector3> = (0..8).map(corner).collect();
+        let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        Surface::new(&positions, &triangles, BroadPhase::Tree)
+    }
+
+    const STEP: f64 = 1e-3;
+    const GRAVITY: f64 = 9.81;
+
+    /// One particle under gravity; its path.
+    fn fall(
+        surface: &mut Surface,
+        response: &mut Response,
+        start: Vector3,
+        velocity: Vector3,
+        steps: usize,
+    ) -> Vec<Vector3> {
+        let (mut x, mut v) = ([start], [velocity]);
+        let path = (0..steps).map(|_| {
+            v[0].y -= GRAVITY * STEP;
+            response.respond(surface, &x, &mut v, STEP);
+            x[0] += v[0] * STEP;
+            response.put_back(surface, &mut x, &mut v);
+            x[0]
+        });
+        path.collect()
+    }
+
+    #[test]
+    fn what_falls_comes_to_rest_at_its_clearance() {
+        let path = fall(
+            &mut floor(),
+            &mut Response::new(1, 0.002, 0.4, 0.0),
+            Vector3::new(0.1, 0.05, 0.2),
+            Vector3::zeros(),
+            1000,
+        );
+        assert!(path.iter().all(|p| p.y > 0.002 - 1e-12));
+        assert!((path.last().unwrap().y - 0.002).abs() < 1e-4, "{}", path.last().unwrap());
+    }
+
+    #[test]
+    fn a_share_of_the_speed_of_an_impact_is_kept() {
+        let path = fall(
+            &mut floor(),
+            &mut Response::new(1, 0.0, 0.4, 0.5),
+            Vector3::new(0.1, 0.2, 0.2),
+            Vector3::zeros(),
+            450,
+        );
+        // It falls for 0.2 s and rises for half of that: to a quarter of the height.
+        let height = path[250..].iter().map(|p| p.y).fold(0.0, f64::max);
+        assert!((height - 0.05).abs() < 0.01, "{height}");
+    }
+
+    #[test]
+    fn sliding_is_slowed_by_friction_as_coulomb_has_it() {
+        let start = Vector3::new(-1.5, 0.001, 0.0);
+        let path = fall(&mut floor(), &mut Response::new(1, 0.001, 0.3, 0.0), start, Vector3::new(1.0, 0.0, 0.0), 1000);
+        // v²/2μg
+        let expected = 1.0 / (2.0 * 0.3 * GRAVITY);
+        let slid = path.last().unwrap().x - start.x;
+        assert!((slid / expected - 1.0).abs() < 0.02, "slid {slid} m, not {expected}");
+    }
+
+    #[test]
+    fn what_lies_on_a_body_is_carried_along_and_never_left_inside() {
+        let mut surface = floor();
+        let mut response = Response::new(1, 0.001, 1.0, 0.0);
+        let start = Vector3::new(0.0, 0.001, 0.0);
+        fall(&mut surface, &mut response, start, Vector3::zeros(), 10);
+        let (mut x, mut v) = ([start], [Vector3::zeros()]);
+        let (frame, steps) = (0.04, 40);
+        for k in 1..=10 {
+            let end: Vec<Vector3> = surface.positions().iter().map(|p| p + Vector3::new(0.01, 0.03, 0.0)).collect();
+            surface.move_to(&end, frame);
+            for s in 1..=steps {
+                v[0].y -= GRAVITY * STEP;
+                response.respond(&surface, &x, &mut v, STEP);
+                x[0] += v[0] * STEP;
+                surface.advance(f64::from(s) / f64::from(steps));
+                response.put_back(&surface, &mut x, &mut v);
+            }
+            let top = 0.03 * f64::from(k);
+            assert!(x[0].y > top, "frame {k}: {} is below {top}", x[0].y);
+        }
+        assert!((x[0].y - 0.301).abs() < 2e-3 && (x[0].x - 0.1).abs() < 5e-3, "{}", x[0]);
+    }
+}

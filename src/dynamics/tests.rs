@@ -1,0 +1,209 @@
+use super::*;
+use crate::garment::Garment;
+use crate::minimize::dot;
+use crate::pattern::{Directional, shapes};
+
+fn no_body() -> Surface {
+    Surface::new(&[], &[], BroadPhase::Tree)
+}
+
+/// A square sheet of 0.4 m that lies in the air, at a resolution, m.
+fn sheet(resolution: f64) -> (Level, Vec<Vector3>) {
+    let pattern = shapes::cloth(shapes::rectangle("sheet", 0.4, 0.4));
+    let level = Garment::build(&pattern, &[resolution]).unwrap().levels.remove(0);
+    let mut positions = vec![Vector3::zeros(); level.particle_count];
+    for (rest, &p) in level.rest.iter().zip(&level.particle_of) {
+        positions[p as usize] = Vector3::new(rest.x, 1.0, rest.y);
+    }
+    (level, positions)
+}
+
+fn corners(positions: &[Vector3]) -> Vec<u32> {
+    let at_corner = |p: &Vector3| p.z > 0.4 - 1e-6 && (p.x < 1e-6 || p.x > 0.4 - 1e-6);
+    (0..positions.len() as u32).filter(|&p| at_corner(&positions[p as usize])).collect()
+}
+
+fn soft() -> Fabric {
+    Fabric { stretch: Directional { warp: 15.0, weft: 15.0 }, shear: 5.0, stretch_limit: 0.1, ..Fabric::default() }
+}
+
+/// Vassilev and Spanlang's test: a soft sheet, held at two corners, sags. The springs there would be stretched to twice
+/// their length.
+#[test]
+fn no_edge_of_a_sagging_sheet_is_beyond_its_limit_by_more_than_a_hundredth() {
+    let (level, positions) = sheet(0.03);
+    let held = corners(&positions);
+    assert_eq!(held.len(), 2);
+    let fabric = soft();
+    let mut worst = [0.0f64; 2];
+    for (k, limit) in [None, Some(10.0)].into_iter().enumerate() {
+        let settings = Settings { stretch_limit: limit, ..Settings::default() };
+        let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
+        simulation.pin(&held);
+        simulation.look_afresh();
+        for _ in 0..60 {
+            let course = simulation.run(&mut no_body(), 0.02, |_| false);
+            worst[k] = worst[k].max(course.largest_strain);
+        }
+        for &p in &held {
+            assert!((simulation.movement.positions[p as usize] - positions[p as usize]).norm() < 1e-9);
+        }
+    }
+    let [limited, free] = worst;
+    assert!(limited < 0.11, "an edge was stretched by {limited}");
+    assert!(free > 0.3, "without the limit by no more than {free}");
+}
+
+/// The step is stable if no vibration is faster than `2/Δt`: the fastest one is found by power iteration.
+#[test]
+fn no_vibration_is_too_fast_for_the_step() {
+    for resolution in [0.05, 0.02] {
+        let (level, positions) = sheet(resolution);
+        for fabric in [Fabric::default(), Fabric::named("denim_11oz").unwrap(), Fabric::named("canvas").unwrap()] {
+            let settings = Settings { self_collision: false, ..Settings::default() };
+            let mut forces = Forces::new(&level, &fabric, &fabric, Model::default(), &settings, &positions);
+            let inertia = forces.pace.inertia.clone();
+            let mut mode: Vec<Vector3> =
+                (0..positions.len()).map(|k| Vector3::new((k as f64).sin(), (k as f64 * 1.7).cos(), 0.3)).collect();
+            let mut squared = 0.0;
+            let mut gradients = [vec![Vector3::zeros(); positions.len()], vec![Vector3::zeros(); positions.len()]];
+            for _ in 0..60 {
+                let size = dot(&mode, &mode).sqrt();
+                let by = 1e-6 / size;
+                for (gradient, sign) in gradients.iter_mut().zip([1.0, -1.0]) {
+                    let at: Vec<Vector3> = positions.iter().zip(&mode).map(|(p, m)| p + m * (sign * by)).collect();
+                    forces.gradient(&at, gradient);
+                }
+                let [ahead, behind] = &gradients;
+                let next: Vec<Vector3> =
+                    (0..mode.len()).map(|p| (ahead[p] - behind[p]) / (2.0 * by * inertia[p])).collect();
+                squared = dot(&next, &next).sqrt() / size.max(f64::MIN_POSITIVE);
+                mode = next.iter().map(|m| m / squared).collect();
+            }
+            let fastest = squared.sqrt();
+            let product = fastest * forces.pace.step;
+            assert!(product < 2.0, "{} at {resolution} m: {product} of 2", fabric.name);
+            assert!(product > 1.6, "{} at {resolution} m: the step could be longer, {product} of 2", fabric.name);
+        }
+    }
+}
+
+/// Falls by `½ g t²` without drag, whatever the integrator.
+#[test]
+fn all_integrators_let_cloth_fall_as_galilei_has_it() {
+    let (level, positions) = sheet(0.08);
+    let fabric = Fabric::default();
+    for (name, integrator) in Integrator::ALL {
+        let settings = Settings { integrator, drag: 0.0, ..Settings::default() };
+        let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
+        // Masses that were added for longer steps fall more slowly by themselves.
+        let course = simulation.frame(&mut no_body(), 0.2);
+        let mean = |of: &[Vector3]| of.iter().map(|p| p.y).sum::<f64>() / of.len() as f64;
+        let fallen = mean(&positions) - mean(&simulation.movement.positions);
+        let expected = 0.5 * 9.80665 * 0.04;
+        assert!((fallen / expected - 1.0).abs() < 0.03, "{name}: {fallen} m is not {expected}");
+        assert!((course.elapsed - 0.2).abs() < 1e-12 && course.steps > 50, "{name}: {course:?}");
+    }
+}
+
+/// Energies of a swinging sheet without any damping: the sum stays.
+#[test]
+fn integrators_of_higher_order_and_the_symplectic_one_keep_the_energy_of_a_swing() {
+    let (level, positions) = sheet(0.08);
+    let fabric = soft();
+    let held = corners(&positions);
+    for (name, integrator) in Integrator::ALL {
+        let settings = Settings {
+            integrator,
+            drag: 0.0,
+            damping: 0.0,
+            added_mass: 0.0,
+            stretch_limit: Some(10.0),
+            implicit_step: 2e-4,
+            ..Settings::default()
+        };
+        let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
+        simulation.pin(&held);
+        let total = |simulation: &mut Simulation| {
+            let Movement { positions, velocities } = simulation.movement.clone();
+            simulation.forces.gradient(&positions, &mut vec![Vector3::zeros(); positions.len()]);
+            let masses = simulation.forces.energy.masses().clone();
+            let kinetic: f64 = velocities.iter().zip(&masses[..]).map(|(v, m)| 0.5 * m * v.norm_squared()).sum();
+            (kinetic, kinetic + simulation.forces.terms.total())
+        };
+        let (_, before) = total(&mut simulation);
+        simulation.frame(&mut no_body(), 0.25);
+        let (kinetic, after) = total(&mut simulation);
+        assert!(kinetic > 1e-3, "{name}: it swings");
+        let lost = (before - after) / kinetic;
+        // The implicit method damps by itself, and the midpoint rule gains a little.
+        let allowed = if integrator == Integrator::Implicit { 0.3 } else { 0.02 };
+        assert!(lost.abs() < allowed && lost > -0.02, "{name}: {lost} of the kinetic energy was lost");
+    }
+}
+
+/// Cloth falls onto a ball that moves up to meet it; the number of threads shows nowhere, and a simulation that is
+/// taken up between two frames goes on with the same bytes.
+#[test]
+fn the_number_of_threads_and_a_pause_change_no_byte() {
+    let (vertices, triangles) = crate::body::shapes::sphere(Vector3::new(0.2, 0.8, 0.2), 0.15, 20);
+    let (level, positions) = sheet(0.02);
+    let fabric = Fabric::default();
+    let settings = Settings::default();
+    let start = |movement: Movement| {
+        let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
+        simulation.movement = movement;
+        simulation
+    };
+    let still = Movement { positions: positions.clone(), velocities: vec![Vector3::zeros(); positions.len()] };
+    let lifted = |frame: u32| -> Vec<Vector3> {
+        vertices.iter().map(|v| v + Vector3::new(0.01, 0.015, 0.0) * f64::from(frame)).collect()
+    };
+    let frames = |simulation: &mut Simulation, range: std::ops::Range<u32>| {
+        let mut surface = Surface::new(&lifted(range.start), &triangles, settings.broad_phase);
+        for frame in range {
+            surface.move_to(&lifted(frame + 1), 0.04);
+            let course = simulation.frame(&mut surface, 0.04);
+            assert!(course.met.deepest < 1e-3, "{course:?}");
+        }
+    };
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut simulation = start(still.clone());
+            frames(&mut simulation, 0..6);
+            simulation.movement
+        })
+    };
+    let whole = run(1);
+    assert_eq!(whole, run(2));
+    let mut first = start(still.clone());
+    frames(&mut first, 0..3);
+    let mut second = start(first.movement.clone());
+    frames(&mut second, 3..6);
+    assert!(whole == second.movement, "a pause changed the result");
+    let ball = Vector3::new(0.26, 0.89, 0.2);
+    for p in &whole.positions {
+        assert!((p - ball).norm() > 0.148, "{p} is in the ball");
+    }
+}
+
+/// A flag across the wind takes up its pressure; one along it does not.
+#[test]
+fn wind_pushes_what_stands_across_it() {
+    let (level, positions) = sheet(0.08);
+    let fabric = Fabric::default();
+    let push = |wind: Vector3| {
+        let settings = Settings { wind, ..Settings::default() };
+        let mut forces = Forces::new(&level, &fabric, &fabric, Model::default(), &settings, &positions);
+        forces.energy.gravity = 0.0;
+        let mut accelerations = vec![Vector3::zeros(); positions.len()];
+        let still = vec![Vector3::zeros(); positions.len()];
+        forces.accelerations(&positions, &still, &mut accelerations);
+        accelerations.iter().zip(&forces.pace.inertia).map(|(a, i)| a * *i).sum::<Vector3>()
+    };
+    let across = push(Vector3::new(0.0, 5.0, 0.0));
+    let expected = 0.5 * 1.2 * 1.2 * 0.16 * 25.0;
+    assert!((across - Vector3::new(0.0, expected, 0.0)).norm() < 1e-3 * expected, "{across}");
+    assert!(push(Vector3::new(5.0, 0.0, 0.0)).norm() < 1e-9);
+}

@@ -1,0 +1,123 @@
+//! `checkpoint.toile`: where a simulation stands between two frames, to be gone on from.
+//!
+//! ```text
+//! 8 bytes   "TOILEP\r\n"
+//! u32       version            1
+//! u32       length             of the description, bytes
+//! bytes     description        JSON: what is simulated and how, and what the frames so far were like
+//! numbers   x y z              f64, of each particle: its position, m; then of each its velocity, m/s
+//! u32       CRC-32             of everything before it
+//! ```
+//!
+//! All numbers little-endian. A simulation goes on only from a checkpoint of its own: the same garments, the same body
+//! and motion, the same settings.
+
+use super::simulation_report::FrameRecord;
+use crate::Error;
+use crate::dynamics::Movement;
+use crate::geometry::Vector3;
+use serde::{Deserialize, Serialize};
+
+const MAGIC: &[u8; 8] = b"TOILEP\r\n";
+const VERSION: u32 = 1;
+const HEADER_BYTES: usize = 8 + 4 + 4;
+const CHECKSUM_BYTES: usize = 4;
+
+/// What a checkpoint is of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// A digest of all that decides the result.
+    pub of: String,
+    /// One per frame that was simulated.
+    pub frames: Vec<FrameRecord>,
+}
+
+/// A simulation between two frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    pub description: Description,
+    pub movement: Movement,
+}
+
+/// The bytes of the file.
+pub fn write(checkpoint: &Checkpoint) -> Vec<u8> {
+    let description = serde_json::to_vec(&checkpoint.description).expect("a description is plain data");
+    let Movement { positions, velocities } = &checkpoint.movement;
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + description.len() + 48 * positions.len() + CHECKSUM_BYTES);
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((description.len() as u32).to_le_bytes());
+    bytes.extend(description);
+    for vector in positions.iter().chain(velocities) {
+        vector.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    }
+    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+    bytes
+}
+
+/// Reads a checkpoint of so many particles, whatever the bytes are.
+pub fn read(bytes: &[u8], particles: usize) -> Result<Checkpoint, Error> {
+    let damaged = |problem: String| Error::new(problem, "Simulate from the beginning: leave out --resume.");
+    if !bytes.starts_with(MAGIC) {
+        return Err(damaged("It is not a checkpoint of toile.".to_owned()));
+    }
+    if bytes.len() < HEADER_BYTES + CHECKSUM_BYTES {
+        return Err(damaged(format!("The file ends after {} bytes, within its header.", bytes.len())));
+    }
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+    if word(8) != VERSION {
+        return Err(damaged(format!("The checkpoint has version {}; this toile reads version {VERSION}.", word(8))));
+    }
+    let (content, checksum) = bytes.split_at(bytes.len() - CHECKSUM_BYTES);
+    if crc32fast::hash(content).to_le_bytes() != checksum {
+        return Err(damaged("The checksum of the checkpoint is wrong.".to_owned()));
+    }
+    let (length, rest) = (word(12) as usize, &content[HEADER_BYTES..]);
+    if rest.len() != length.saturating_add(48 * particles) {
+        return Err(damaged(format!("The checkpoint is not one of {particles} particles.")));
+    }
+    let (description, numbers) = rest.split_at(length);
+    let description = serde_json::from_slice(description)
+        .map_err(|e| damaged(format!("The description of the checkpoint cannot be read ({e}).")))?;
+    let mut vectors = numbers.chunks_exact(24).map(|vector| {
+        Vector3::from_fn(|axis, _| f64::from_le_bytes(vector[8 * axis..8 * axis + 8].try_into().expect("eight bytes")))
+    });
+    let positions: Vec<Vector3> = vectors.by_ref().take(particles).collect();
+    let velocities: Vec<Vector3> = vectors.collect();
+    if !positions.iter().chain(&velocities).all(|v| v.iter().all(|x| x.is_finite())) {
+        return Err(damaged("The checkpoint has a number that is not finite.".to_owned()));
+    }
+    Ok(Checkpoint { description, movement: Movement { positions, velocities } })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Checkpoint {
+        let vector = |k: usize| Vector3::new(k as f64 / 3.0, -1e-300, 1.0);
+        Checkpoint {
+            description: Description { of: "abc".to_owned(), frames: vec![FrameRecord::default(); 2] },
+            movement: Movement { positions: (0..5).map(vector).collect(), velocities: (5..10).map(vector).collect() },
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_to_the_last_bit() {
+        assert_eq!(read(&write(&sample()), 5).unwrap(), sample());
+    }
+
+    #[test]
+    fn damaged_checkpoints_are_refused() {
+        let bytes = write(&sample());
+        assert!(read(&bytes, 6).is_err());
+        for length in 0..bytes.len() {
+            assert!(read(&bytes[..length], 5).is_err(), "{length} bytes were taken for a checkpoint");
+        }
+        for k in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[k] ^= 0x20;
+            assert!(read(&damaged, 5).is_err(), "a flipped bit in byte {k} was not found");
+        }
+    }
+}
