@@ -3,12 +3,14 @@
 mod distance_field;
 mod dressed;
 pub mod mannequin;
+pub mod motion;
 mod skin;
 mod validate;
 mod winding;
 
 pub use distance_field::{DistanceField, STEEPEST, Sample};
 pub use dressed::Enclosure;
+pub use motion::Motion;
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};
 use crate::{Error, Warning};

@@ -23,6 +23,29 @@ pub fn parse(bytes: &[u8]) -> Result<(Body, Vec<Warning>), Error> {
 
 /// Positions, m, and triangles of an OBJ file, which need not be those of a body.
 pub fn mesh(bytes: &[u8]) -> Result<(Vec<Vector3>, Vec<[u32; 3]>), Error> {
+    mesh_of(&checked(bytes)?.text)
+}
+
+/// The same with every vertex in its place in the file, used or not: what vertex caches count on, and what tobj does not keep.
+pub fn mesh_in_file_order(bytes: &[u8]) -> Result<(Vec<Vector3>, Vec<[u32; 3]>), Error> {
+    let checked = checked(bytes)?;
+    let (mut positions, mut triangles) = (Vec::with_capacity(checked.vertices), Vec::with_capacity(checked.triangles));
+    // The lines have been checked: what does not parse cannot be there.
+    for line in checked.text.lines() {
+        let mut words = line.split(' ');
+        if words.next() == Some("v") {
+            let mut coordinate = || words.next().and_then(|w| w.parse().ok()).unwrap_or(f64::NAN);
+            positions.push(Vector3::new(coordinate(), coordinate(), coordinate()));
+        } else {
+            let corners: Vec<u32> = words.filter_map(|w| w.parse().ok()).map(|v: u32| v - 1).collect();
+            let fan = corners.windows(2).skip(1).map(|w| [corners[0], w[0], w[1]]);
+            triangles.extend(fan.filter(|&[a, b, c]| a != b && b != c && c != a));
+        }
+    }
+    Ok((positions, triangles))
+}
+
+fn checked(bytes: &[u8]) -> Result<CheckedLines, Error> {
     if bytes.iter().all(|b| b.is_ascii_whitespace()) {
         return Err(Error::new("The body file is empty.", "Give an OBJ file with a closed triangle mesh of the body."));
     }
@@ -32,7 +55,7 @@ pub fn mesh(bytes: &[u8]) -> Result<(Vec<Vector3>, Vec<[u32; 3]>), Error> {
         lines.read(&String::from_utf8_lossy(line), number).map_err(|e| e.within(format!("line {number}")))?;
     }
     lines.check_indices()?;
-    mesh_of(&lines.text)
+    Ok(lines)
 }
 
 /// Positions, m, and triangles of checked lines.

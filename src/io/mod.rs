@@ -14,6 +14,7 @@ pub mod garment_obj;
 pub mod garmentcode;
 pub mod glb;
 pub mod length;
+pub mod moving_body;
 pub mod outfit_report;
 pub mod picture;
 pub mod process;
