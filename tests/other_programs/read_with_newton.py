@@ -46,7 +46,7 @@ def compare(name, builder):
 
 
 def run(name, builder, solver_of):
-    """Without gravity, which alone would move it: what is fitted is to stay where it is."""
+    """Neither gravity nor body: what they held back moves a little, and nothing bursts."""
     builder.color()
     model = builder.finalize(device="cpu")
     model.set_gravity((0.0, 0.0, 0.0))
@@ -60,7 +60,7 @@ def run(name, builder, solver_of):
         solver.step(now, then, control, contacts, 1e-3)
         now, then = then, now
     moved = np.linalg.norm(now.particle_q.numpy() - truth.positions, axis=1)
-    table.row(name, "largest move in 10 ms without gravity, m", len(moved), moved.max(), 0.01)
+    table.row(name, "largest move in 10 ms without gravity, m", len(moved), moved.max(), 0.02)
 
 
 builder = newton.ModelBuilder(up_axis=newton.Axis.Y)

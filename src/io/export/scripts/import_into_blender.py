@@ -73,6 +73,12 @@ def play(garment, cache, frames):
     scene.render.fps, scene.render.fps_base = whole, whole / frames["rate"]
 
 
+def own_folder():
+    """Where this file is. Blender's text editor does not tell by __file__, but knows the text."""
+    text = getattr(bpy.context.space_data, "text", None)
+    path = bpy.path.abspath(text.filepath) if text and text.filepath else __file__
+    return os.path.dirname(os.path.abspath(path))
+
+
 if __name__ == "__main__":
-    load(os.path.dirname(os.path.abspath(bpy.context.space_data.text.filepath if bpy.context.space_data and
-                                         getattr(bpy.context.space_data, "text", None) else __file__)))
+    load(own_folder())
