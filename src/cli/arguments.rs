@@ -28,6 +28,8 @@ pub enum Command {
     Compare(Compare),
     /// Tell everything that is wrong or doubtful with the input, before any solving
     Check(Check),
+    /// Write a fitted garment, at rest or in motion, as files that other programs take
+    Export(Export),
 }
 
 #[derive(Args, Debug)]
@@ -122,6 +124,28 @@ pub struct Check {
     /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
     #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
     pub levels: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct Export {
+    /// Fitted garment: the folder of a fit, or its state.toile
+    #[arg(value_name = "FIT")]
+    pub fit: PathBuf,
+    /// What for, one or several with commas between: blender, usd, newton, contourcraft, npz, ply, pc2, mdd, glb, obj
+    #[arg(long, value_name = "TARGETS", required = true, value_delimiter = ',')]
+    pub to: Vec<String>,
+    /// Folder for the files, made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// How the garment moves [default: motion.toile in the folder of the fit, if it is there]
+    #[arg(long, value_name = "FILE")]
+    pub motion: Option<PathBuf>,
+    /// Which frames of the motion, counted from 0, both ends included, and every how manieth: "0..71", "24..", "0..71/2"
+    #[arg(long, value_name = "RANGE")]
+    pub frames: Option<String>,
+    /// The garment as it was fitted, even where a motion is there
+    #[arg(long, conflicts_with_all = ["motion", "frames"])]
+    pub still: bool,
 }
 
 /// How to solve; what is not given is taken from the settings file, or else has its default.

@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod complaint;
 mod demo;
+mod export;
 mod fit;
 mod inputs;
 mod progress;
@@ -84,5 +85,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Fit(fit) => fit::run(fit),
         Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
+        Command::Export(export) => export::run(export),
     }
 }

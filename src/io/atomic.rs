@@ -5,13 +5,54 @@
 
 use crate::Error;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Writes `bytes` to `path`, which may exist. The errors name the path and what to do.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     replace(path, |file| file.write_all(bytes)).map_err(|e| refused(path, &e))
+}
+
+/// Why a file that is written piece by piece did not become whole.
+#[derive(Debug)]
+pub enum Unfinished {
+    /// It could not be written.
+    Disk(io::Error),
+    /// What it was to be made of is wrong.
+    Input(Error),
+}
+
+impl From<io::Error> for Unfinished {
+    fn from(error: io::Error) -> Self {
+        Unfinished::Disk(error)
+    }
+}
+
+impl From<Error> for Unfinished {
+    fn from(error: Error) -> Self {
+        Unfinished::Input(error)
+    }
+}
+
+/// Writes what is too large to be held in memory: `fill` gives it piece by piece.
+pub fn write_pieces(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), Unfinished>,
+) -> Result<(), Error> {
+    let mut wrong = None;
+    let written = replace(path, |file| {
+        let mut pieces = BufWriter::with_capacity(1 << 20, file);
+        match fill(&mut pieces) {
+            Ok(()) => pieces.flush(),
+            Err(Unfinished::Disk(e)) => Err(e),
+            Err(Unfinished::Input(e)) => {
+                wrong = Some(e);
+                Err(io::Error::other("the input is wrong"))
+            }
+        }
+    });
+    written.map_err(|e| wrong.unwrap_or_else(|| refused(path, &e)))
 }
 
 /// Writes by `fill` to a temporary file, then gives it the name `path`.
@@ -64,7 +105,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn refused(path: &Path, error: &io::Error) -> Error {
+pub(super) fn refused(path: &Path, error: &io::Error) -> Error {
     let folder = folder_of(path).display();
     let (problem, remedy) = match error.kind() {
         ErrorKind::NotFound => {
@@ -138,6 +179,20 @@ mod tests {
         })
         .unwrap();
         assert_eq!(names(folder.path()), ["garment.obj"]);
+    }
+
+    #[test]
+    fn a_file_whose_pieces_end_in_an_error_is_not_there_and_tells_that_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("garment.pc2");
+        let told = write_pieces(&path, |file| {
+            file.write_all(b"half")?;
+            Err(Error::new("Frame 2 is damaged.", "Simulate it again.").into())
+        });
+        assert_eq!(told.unwrap_err().problem(), "Frame 2 is damaged.");
+        assert!(names(folder.path()).is_empty());
+        write_pieces(&path, |file| Ok(file.write_all(b"whole")?)).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
     }
 
     #[test]

@@ -14,8 +14,25 @@ use std::fmt::Write;
 ///
 /// Numbers are printed with as many digits as reading back the same `f64` takes.
 pub fn write(pattern: &Pattern, level: &Level, positions: &[Vector3]) -> String {
+    text(pattern, level, positions, Parts::Objects)
+}
+
+/// The same as one object, its panels groups of faces: programs that read each object as a mesh of its own, with
+/// vertices of its own, then keep the garment sewn and its vertices in the order of the particles.
+pub fn write_as_one(pattern: &Pattern, level: &Level, positions: &[Vector3]) -> String {
+    text(pattern, level, positions, Parts::Groups)
+}
+
+/// What the panels are in the file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Parts {
+    Objects,
+    Groups,
+}
+
+fn text(pattern: &Pattern, level: &Level, positions: &[Vector3], parts: Parts) -> String {
     let mut text = String::with_capacity(64 * (positions.len() + level.rest.len()) + 40 * level.triangles.len());
-    header(&mut text);
+    header(&mut text, parts);
     for p in positions {
         line(&mut text, format_args!("v {} {} {}", p.x, p.y, p.z));
     }
@@ -23,7 +40,8 @@ pub fn write(pattern: &Pattern, level: &Level, positions: &[Vector3]) -> String 
         line(&mut text, format_args!("vt {} {}", r.x, r.y));
     }
     for (panel, range) in pattern.panels.iter().zip(&level.panels) {
-        line(&mut text, format_args!("o {}", one_line(&panel.name)));
+        let key = if parts == Parts::Objects { "o" } else { "g" };
+        line(&mut text, format_args!("{key} {}", one_line(&panel.name)));
         for triangle in &level.triangles[range.triangles.clone()] {
             // OBJ counts from one.
             let [a, b, c] = triangle.map(|point| (level.particle_of[point as usize] + 1, point + 1));
@@ -33,11 +51,17 @@ pub fn write(pattern: &Pattern, level: &Level, positions: &[Vector3]) -> String 
     text
 }
 
-fn header(text: &mut String) {
+fn header(text: &mut String, parts: Parts) {
     line(text, format_args!("# Sewn garment by toile {}", env!("CARGO_PKG_VERSION")));
     line(text, format_args!("# v: positions in metres, y up, the body facing +z"));
     line(text, format_args!("# vt: rest coordinates on the panel in metres, in the panel's own frame"));
-    line(text, format_args!("# o: one object for each panel, named as in the pattern"));
+    match parts {
+        Parts::Objects => line(text, format_args!("# o: one object for each panel, named as in the pattern")),
+        Parts::Groups => {
+            line(text, format_args!("# g: one group for each panel, named as in the pattern"));
+            line(text, format_args!("o garment"));
+        }
+    }
 }
 
 fn line(text: &mut String, content: std::fmt::Arguments) {
@@ -122,6 +146,18 @@ mod tests {
             let [a, b, c] = [0, 1, 2].map(|k| Vector3::from_row_slice(&v[faces[0][k][0]]));
             assert!((b - a).cross(&(c - a)).dot(&panel.outward_normal()) > 0.0, "{}", panel.name);
         }
+    }
+
+    #[test]
+    fn as_one_object_only_the_names_of_the_parts_differ() {
+        let (pattern, garment, positions) = two_panels();
+        let level = &garment.levels[1];
+        let numbers = |text: String| text.lines().filter(|l| l.starts_with(['v', 'f'])).map(str::to_owned).collect();
+        let apart: Vec<String> = numbers(write(&pattern, level, &positions));
+        let one = write_as_one(&pattern, level, &positions);
+        let keys: Vec<&str> = one.lines().filter(|l| l.starts_with(['o', 'g'])).collect();
+        assert_eq!(keys, ["o garment", "g front", "g back"]);
+        assert_eq!(apart, numbers(one));
     }
 
     #[test]

@@ -1,19 +1,21 @@
 //! The doors: everything that reads or writes a file, and the only place that converts units.
 //!
-//! Each format is a file of small pure functions from data to bytes and back; only [`read`] and
-//! [`atomic`] touch a disk, and only [`process`] asks the machine. `docs/formats.md` describes the
-//! formats themselves.
+//! Each format is a file of small pure functions from data to bytes and back. Only [`read`] and [`atomic`] touch a
+//! disk, [`motion_cache`], whose file grows, and [`export`], which fills a folder; only [`process`] asks the machine.
+//! `docs/formats.md` describes the formats themselves.
 
 pub mod atomic;
 pub mod body_obj;
 pub mod checkpoint;
 pub mod comparison;
 pub mod embedded;
+pub mod export;
 pub mod fabric_toml;
 pub mod garment_obj;
 pub mod garmentcode;
 pub mod glb;
 pub mod length;
+pub mod motion_cache;
 pub mod moving_body;
 pub mod outfit_report;
 pub mod picture;

@@ -31,7 +31,40 @@ pub fn utf8(bytes: Vec<u8>) -> Result<String, Error> {
 
 /// The SHA-256 of some bytes in lower-case hexadecimal digits.
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&sha256(bytes))
+}
+
+/// The SHA-256 of a file of any size, which is not held in memory, and its length in bytes.
+pub fn sha256_of_file(path: &Path) -> Result<(String, u64), Error> {
+    let unreadable = |e: io::Error| unreadable(path, &e).within(path.display());
+    let mut file = File::open(path).map_err(unreadable)?;
+    let mut digest = Sha256::new();
+    let length = io::copy(&mut file, &mut Digested(&mut digest)).map_err(unreadable)?;
+    Ok((hexadecimal(&digest.finalize()), length))
+}
+
+/// A digest that bytes are copied into.
+struct Digested<'a>(&'a mut Sha256);
+
+impl io::Write for Digested<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Bytes in lower-case hexadecimal digits.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The SHA-256 of some bytes.
+pub fn sha256(bytes: &[u8]) -> [u8; 32] {
+    Sha256::digest(bytes).into()
 }
 
 fn at_most(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
@@ -58,7 +91,7 @@ fn at_most(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-fn unreadable(path: &Path, error: &io::Error) -> Error {
+pub(super) fn unreadable(path: &Path, error: &io::Error) -> Error {
     match error.kind() {
         ErrorKind::NotFound => {
             let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -100,6 +133,16 @@ mod tests {
         assert!(text(&path).unwrap_err().problem().contains("offset 4"));
         fs::write(&path, [0; 11]).unwrap();
         assert!(at_most(&path, 10).is_err() && at_most(&path, 11).is_ok());
+    }
+
+    #[test]
+    fn a_file_has_the_digest_of_its_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let bytes = [1, 2, 3].repeat(100_000);
+        fs::write(&path, &bytes).unwrap();
+        assert_eq!(sha256_of_file(&path).unwrap(), (sha256_hex(&bytes), 300_000));
+        assert!(sha256_of_file(&folder.path().join("none")).is_err());
     }
 
     #[cfg(unix)]
