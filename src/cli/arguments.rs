@@ -30,6 +30,8 @@ pub enum Command {
     Check(Check),
     /// Write a fitted garment, at rest or in motion, as files that other programs take
     Export(Export),
+    /// Move fitted garments along with a moving body, by explicit dynamics from where the fit ended
+    Simulate(Simulate),
 }
 
 #[derive(Args, Debug)]
@@ -177,6 +179,78 @@ pub struct Solving {
     pub progress: Progress,
 }
 
+#[derive(Args, Debug)]
+pub struct Simulate {
+    /// Folders of fits, or their state.toile; several are worn one over the other, the innermost first
+    #[arg(required = true, value_name = "FIT")]
+    pub fits: Vec<PathBuf>,
+    /// Body that moves: a glTF file with a skin, a folder or pattern of OBJ files, or an OBJ that stands still or that
+    /// --motion moves
+    #[arg(long, value_name = "BODY")]
+    pub body: PathBuf,
+    /// Motion of the body: a PC2 or MDD cache of an OBJ, or a BVH motion capture for a glTF
+    #[arg(long, value_name = "FILE")]
+    pub motion: Option<PathBuf>,
+    /// Clip of a glTF file, by name or number [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub clip: Option<String>,
+    /// Frames a second at which the motion is sampled [default: those of the file, else 24]
+    #[arg(long, value_name = "RATE")]
+    pub fps: Option<f64>,
+    /// Frames to simulate [default: all of the motion; a body that stands still has two seconds]
+    #[arg(long, value_name = "N")]
+    pub frames: Option<usize>,
+    /// The body that the garment was fitted on, where the motion begins in another pose: it moves from the one to the
+    /// other first
+    #[arg(long, value_name = "OBJ")]
+    pub from: Option<PathBuf>,
+    /// How long that takes, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, requires = "from")]
+    pub transition: f64,
+    /// Folder for the results, made if it is not there; of several garments each has a folder in it
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Go on from the checkpoint in the folder of the results
+    #[arg(long)]
+    pub resume: bool,
+    /// symplectic-euler, midpoint, runge-kutta-4, runge-kutta-fehlberg or implicit
+    #[arg(long, value_name = "NAME", default_value = "symplectic-euler")]
+    pub integrator: String,
+    /// How the nearest skin is looked for: tree, aligned-boxes, oriented-boxes or spheres
+    #[arg(long, value_name = "NAME", default_value = "tree")]
+    pub broad_phase: String,
+    /// Velocity of the wind, metres a second
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
+    pub wind: String,
+    /// Rate at which all motion dies away, 1/s
+    #[arg(long, value_name = "RATE")]
+    pub drag: Option<f64>,
+    /// Damping of the fastest vibrations, 0 to 1
+    #[arg(long, value_name = "SHARE")]
+    pub damping: Option<f64>,
+    /// Speed that cloth keeps when it hits the body, 0 to 1
+    #[arg(long, value_name = "SHARE")]
+    pub restitution: Option<f64>,
+    /// Stretch beyond which cloth does not lengthen, per cent [default: the fabric's]
+    #[arg(long, value_name = "PERCENT")]
+    pub stretch_limit: Option<f64>,
+    /// Cloth may pass through cloth
+    #[arg(long)]
+    pub no_self_collision: bool,
+    /// Measure penetration and crossings at the end of every N-th frame; 0 for never
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub measure_every: usize,
+    /// Draw every N-th frame; 0 for no pictures [default: so that there are 36 at most]
+    #[arg(long, value_name = "N")]
+    pub draw_every: Option<usize>,
+    /// Threads to work with; changes the time, never the result [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// What to tell on the way, on the standard error stream
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
+}
+
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// A bar on a terminal, otherwise a line for each level
@@ -236,16 +310,21 @@ impl Solving {
 
     /// Threads to work with; `None` for one per processor.
     pub fn threads(&self) -> Result<Option<usize>, Failure> {
-        match self.threads {
-            Some(n) if n == 0 || n > MOST_THREADS => Err(Failure::Usage(
-                crate::Error::new(
-                    format!("{n} threads cannot be used."),
-                    format!("Give a number from 1 to {MOST_THREADS}, or leave the option out."),
-                )
-                .within("--threads"),
-            )),
-            threads => Ok(threads),
-        }
+        threads(self.threads)
+    }
+}
+
+/// So many threads as were asked for, if there can be so many.
+pub fn threads(asked: Option<usize>) -> Result<Option<usize>, Failure> {
+    match asked {
+        Some(n) if n == 0 || n > MOST_THREADS => Err(Failure::Usage(
+            crate::Error::new(
+                format!("{n} threads cannot be used."),
+                format!("Give a number from 1 to {MOST_THREADS}, or leave the option out."),
+            )
+            .within("--threads"),
+        )),
+        threads => Ok(threads),
     }
 }
 

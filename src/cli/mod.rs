@@ -11,6 +11,8 @@ mod fit;
 mod inputs;
 mod progress;
 mod results;
+mod simulate;
+mod simulation_results;
 mod stopwatch;
 
 use arguments::{Arguments, Command};
@@ -86,5 +88,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
         Command::Export(export) => export::run(export),
+        Command::Simulate(simulate) => simulate::run(simulate),
     }
 }

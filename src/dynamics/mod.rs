@@ -93,7 +93,7 @@ impl Simulation {
         Self {
             forces: Forces::new(level, cut, fabric, model, settings, &positions),
             stepper: Stepper::new(settings, implicit, count),
-            elastic: SuperElasticity::new(level, settings.stretch_limit(fabric), &positions),
+            elastic: SuperElasticity::new(level, |panel| settings.stretch_limit(cut.of_panel(panel)), &positions),
             response: Response::new(count, settings.clearance, fabric.friction, settings.restitution),
             movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
             velocities: vec![Vector3::zeros(); count],
@@ -104,6 +104,11 @@ impl Simulation {
     /// Holds some particles where they are.
     pub fn pin(&mut self, particles: &[u32]) {
         particles.iter().for_each(|&p| self.forces.pace.inertia[p as usize] = PINNED);
+    }
+
+    /// Largest strain of all edges.
+    pub fn largest_strain(&self) -> f64 {
+        self.elastic.largest_strain(&self.movement.positions)
     }
 
     pub fn forces(&mut self) -> &mut Forces {

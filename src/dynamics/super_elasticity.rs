@@ -43,8 +43,9 @@ pub struct SuperElasticity {
 }
 
 impl SuperElasticity {
-    /// Edges may be stretched by `limit`, or as far as they are at `positions` if that is more.
-    pub fn new(level: &Level, limit: f64, positions: &[Vector3]) -> Self {
+    /// Edges may be stretched by what `limit` tells of their panel, or as far as they are at `positions` if that is more.
+    pub fn new(level: &Level, limit: impl Fn(usize) -> f64, positions: &[Vector3]) -> Self {
+        let panel_of = level.panel_of_triangle();
         let triangles = level.particle_triangles();
         let mut eased = vec![[1.0; 3]; triangles.len()];
         for e in &level.eased {
@@ -59,6 +60,7 @@ impl SuperElasticity {
             });
             let rest = rest.flatten().fold(0.0, f64::max);
             let now = (positions[edge.ends[0] as usize] - positions[edge.ends[1] as usize]).norm();
+            let limit = limit(panel_of[edge.triangles[0] as usize] as usize);
             (rest > 0.0).then(|| Limited { ends: edge.ends, rest, most: (rest * (1.0 + limit)).max(now) })
         });
         Self { edges: edges.collect(), too_long: Vec::new() }

@@ -160,6 +160,19 @@ impl Default for Fabric {
 }
 
 impl Fabric {
+    /// How fabrics that are worn together touch: as stiff as the stiffest, as thick as the thickest, and no rougher than
+    /// the smoothest. There is at least one.
+    pub fn touching(fabrics: &[&Fabric]) -> Fabric {
+        let most = |of: fn(&Fabric) -> f64| fabrics.iter().map(|fabric| of(fabric)).fold(0.0, f64::max);
+        Fabric {
+            thickness: most(|f| f.thickness),
+            stretch: Directional { warp: most(|f| f.stretch.warp), weft: most(|f| f.stretch.weft) },
+            shear: most(|f| f.shear),
+            friction: fabrics.iter().map(|fabric| fabric.friction).fold(f64::INFINITY, f64::min),
+            ..fabrics[0].clone()
+        }
+    }
+
     /// Of contact with the body, N/m. It is as stiff as the membrane: stiffer would slow a minimizer down, softer would
     /// let tight cloth sink in.
     pub fn contact_stiffness(&self) -> f64 {

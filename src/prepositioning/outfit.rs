@@ -14,7 +14,7 @@ use crate::assess::{Layers, assess, gather_allowance, tight_places};
 use crate::body::{Body, DistanceField};
 use crate::garment::{Garment, Level, patterns_together};
 use crate::geometry::Vector3;
-use crate::pattern::{Cut, Directional, Fabric, Pattern};
+use crate::pattern::{Cut, Fabric, Pattern};
 
 /// What is worn: patterns and what they are cut from, innermost first.
 pub type Garments<'a> = [(&'a Pattern, &'a Fabric)];
@@ -32,25 +32,18 @@ pub(super) struct Together<'a> {
     pub pattern: Pattern,
     /// By panel.
     pub fabrics: Vec<&'a Fabric>,
-    /// How the fabrics touch: as stiff as the stiffest, as thick as the thickest, and no rougher than the smoothest.
+    /// How the fabrics touch.
     pub touching: Fabric,
     pub garment: Garment,
 }
 
 impl<'a> Together<'a> {
     pub fn new(garments: &Garments<'a>, built: Vec<Garment>) -> Self {
-        let most = |of: fn(&Fabric) -> f64| garments.iter().map(|(_, fabric)| of(fabric)).fold(0.0, f64::max);
         let by_panel = |&(pattern, fabric): &(&Pattern, &'a Fabric)| std::iter::repeat_n(fabric, pattern.panels.len());
         Self {
             pattern: patterns_together(&garments.iter().map(|(pattern, _)| *pattern).collect::<Vec<_>>()),
             fabrics: garments.iter().flat_map(by_panel).collect(),
-            touching: Fabric {
-                thickness: most(|f| f.thickness),
-                stretch: Directional { warp: most(|f| f.stretch.warp), weft: most(|f| f.stretch.weft) },
-                shear: most(|f| f.shear),
-                friction: garments.iter().map(|(_, fabric)| fabric.friction).fold(f64::INFINITY, f64::min),
-                ..garments[0].1.clone()
-            },
+            touching: Fabric::touching(&garments.iter().map(|(_, fabric)| *fabric).collect::<Vec<_>>()),
             garment: Garment::together(built),
         }
     }

@@ -1,0 +1,386 @@
+//! `toile simulate`: fitted garments go along with a body that moves.
+
+use super::arguments::{Progress, Simulate, threads};
+use super::fit::start_threads;
+use super::inputs::tell;
+use super::simulation_results::{Inputs, Results};
+use super::{Failure, Status};
+use crate::body::{Body, Motion};
+use crate::dynamics::{BroadPhase, Course, Integrator, Movement, Settings, Simulation, Surface};
+use crate::garment::{Garment, Level};
+use crate::geometry::Vector3;
+use crate::io::checkpoint::{self, Checkpoint, Description};
+use crate::io::moving_body::{self, Options};
+use crate::io::simulation_report::{FrameRecord, Measured};
+use crate::io::state::{self, State};
+use crate::io::{atomic, body_obj, process, read};
+use crate::pattern::{Cut, Fabric, Pattern};
+use crate::{Error, Warning};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
+use std::io::IsTerminal;
+use std::path::Path;
+use std::time::Instant;
+
+/// What a body that stands still is given, s.
+const STILL: f64 = 2.0;
+/// Particles deeper in the first pose of the motion than this were fitted on another one, m.
+const ANOTHER_POSE: f64 = 5e-3;
+/// Share of the particles that may be so deep all the same.
+const FEW: f64 = 1e-3;
+
+/// A fitted garment.
+pub struct Fitted {
+    pub state: State,
+    pub pattern: Pattern,
+    pub garment: Garment,
+    pub sha256: [u8; 32],
+}
+
+impl Fitted {
+    fn open(fit: &Path) -> Result<Self, Error> {
+        let file = if fit.is_dir() { fit.join("state.toile") } else { fit.to_owned() };
+        let bytes = read::bytes(&file)?;
+        let within = |e: Error| e.within(file.display());
+        let state = state::read(&bytes).map_err(within)?;
+        let (pattern, garment) = state.rebuild().map_err(within)?;
+        Ok(Self { state, pattern, garment, sha256: read::sha256(&bytes) })
+    }
+
+    pub fn level(&self) -> &Level {
+        self.garment.levels.last().expect("a garment has at least one level")
+    }
+}
+
+pub fn run(asked: &Simulate) -> Result<Status, Failure> {
+    let started = Instant::now();
+    let mut settings = settings(asked)?;
+    start_threads(threads(asked.threads)?);
+    let fitted: Vec<Fitted> = asked.fits.iter().map(|fit| Fitted::open(fit)).collect::<Result<_, _>>()?;
+    settings.clearance = fitted[0].state.settings.clearance;
+    let (motion, mut warnings) = open_motion(asked)?;
+    let shot = Shot::of(asked, &motion)?;
+    let level = Level::together(&fitted.iter().map(Fitted::level).collect::<Vec<_>>());
+    let positions: Vec<Vector3> = fitted.iter().flat_map(|f| &f.state.positions).copied().collect();
+    warnings.extend(in_another_pose(&shot, &positions, settings.broad_phase, asked)?);
+    let inputs = Inputs { fitted: &fitted, motion: &motion, settings: &settings, shot: &shot, asked };
+    let silent = asked.progress == Progress::None;
+    let told = tell(&warnings.iter().collect::<Vec<_>>(), silent);
+
+    // What the cloth is, and where it stands.
+    let fabrics: Vec<&Fabric> = fitted.iter().map(|f| &f.state.fabric).collect();
+    let by_panel: Vec<&Fabric> =
+        fitted.iter().flat_map(|f| std::iter::repeat_n(&f.state.fabric, f.pattern.panels.len())).collect();
+    let (touching, model) = (Fabric::touching(&fabrics), fitted[0].state.settings.model);
+    let cut = Cut::ByPanel(&by_panel);
+    let mut simulation = Simulation::new(&level, cut, &touching, model, &settings, positions);
+    let digest = inputs.digest()?;
+    let mut frames = match asked.resume {
+        true => go_on(&asked.out, &digest, &mut simulation.movement)?,
+        false => Vec::new(),
+    };
+    let mut results = Results::open(&inputs, &level, &frames)?;
+    results.shoot(frames.len(), &simulation.movement.positions, &shot.at(frames.len()));
+
+    let mut watcher = Watcher::new(asked.progress, shot.frames(), frames.len());
+    let mut surface = Surface::new(&shot.at(frames.len()), motion.triangles(), settings.broad_phase);
+    let (mut wall, mut cpu) = (0.0, process::cpu_seconds().map(|_| 0.0));
+    while frames.len() < shot.frames() {
+        let (before, cpu_before) = (Instant::now(), process::cpu_seconds());
+        let frame = frames.len() + 1;
+        let end = shot.at(frame);
+        surface.move_to(&end, shot.duration);
+        let course = simulation.frame(&mut surface, shot.duration);
+        let positions = &simulation.movement.positions;
+        if !positions.iter().chain(&simulation.movement.velocities).all(|v| v.iter().all(|x| x.is_finite())) {
+            return Err(blown_up(frame, &settings).into());
+        }
+        let measured = (asked.measure_every > 0 && frame.is_multiple_of(asked.measure_every))
+            .then(|| measure(&level, positions, &end, motion.triangles(), &surface));
+        frames.push(record(frame, shot.duration, &course, measured));
+        results.append(frame, positions)?;
+        results.shoot(frame, positions, &end);
+        let description = Description { of: digest.clone(), frames: frames.clone() };
+        let checkpoint = Checkpoint { description, movement: simulation.movement.clone() };
+        atomic::write(&asked.out.join("checkpoint.toile"), &checkpoint::write(&checkpoint))?;
+        wall += before.elapsed().as_secs_f64();
+        cpu = cpu.zip(process::cpu_seconds().zip(cpu_before)).map(|(sum, (now, before))| sum + now - before);
+        watcher.frame(frames.last().expect("a frame was just added"));
+    }
+    watcher.finish();
+    let pace = (simulation.step_length(), simulation.forces().pace.added);
+    let summary = results.finish(&inputs, &frames, pace, &told, [Some(wall), cpu], started)?;
+    if !silent {
+        eprintln!("{summary}");
+    }
+    Ok(Status::Fine)
+}
+
+fn settings(asked: &Simulate) -> Result<Settings, Failure> {
+    let usage = |option: &'static str| move |e: Error| Failure::Usage(e.within(option));
+    let defaults = Settings::default();
+    let settings = Settings {
+        integrator: named("integrator", &asked.integrator, &Integrator::ALL).map_err(usage("--integrator"))?,
+        broad_phase: named("broad phase", &asked.broad_phase, &BroadPhase::ALL).map_err(usage("--broad-phase"))?,
+        drag: asked.drag.unwrap_or(defaults.drag),
+        damping: asked.damping.unwrap_or(defaults.damping),
+        wind: wind(&asked.wind).map_err(usage("--wind"))?,
+        restitution: asked.restitution.unwrap_or(defaults.restitution),
+        stretch_limit: asked.stretch_limit.map(|percent| percent / 100.0),
+        self_collision: !asked.no_self_collision,
+        ..defaults
+    };
+    settings.check().map_err(Failure::Usage)?;
+    if !(0.0..=60.0).contains(&asked.transition) {
+        let error = Error::new(format!("A transition of {} s is not possible.", asked.transition), "Give up to 60 s.");
+        return Err(Failure::Usage(error.within("--transition")));
+    }
+    Ok(settings)
+}
+
+/// What goes by a name.
+fn named<T: Copy>(what: &str, name: &str, all: &[(&'static str, T)]) -> Result<T, Error> {
+    all.iter().find(|(known, _)| *known == name).map(|(_, one)| *one).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
+        let near = names.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
+        let near = near.map_or_else(String::new, |near| format!("Did you mean \"{near}\"? "));
+        Error::new(format!("There is no {what} \"{name}\"."), format!("{near}There are {}.", names.join(", ")))
+    })
+}
+
+fn wind(text: &str) -> Result<Vector3, Error> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 => Ok(Vector3::new(x, y, z)),
+        _ => Err(Error::new(
+            format!("\"{text}\" is no velocity."),
+            "Give three numbers, metres a second along x, y and z, such as \"0,0,-3\".",
+        )),
+    }
+}
+
+fn open_motion(asked: &Simulate) -> Result<(Motion, Vec<Warning>), Error> {
+    let options = Options {
+        body: asked.motion.as_ref().map(|_| asked.body.clone()),
+        clip: asked.clip.clone(),
+        frame_rate: asked.fps,
+        ..Options::default()
+    };
+    moving_body::open(asked.motion.as_ref().unwrap_or(&asked.body), &options)
+}
+
+/// Where the body is at each frame of the simulation: on its way from the pose of the fit, then in motion.
+pub struct Shot<'a> {
+    motion: &'a Motion,
+    /// The pose of the fit.
+    from: Option<Vec<Vector3>>,
+    pub transition_frames: usize,
+    frames: usize,
+    /// Of a frame, s.
+    pub duration: f64,
+}
+
+impl<'a> Shot<'a> {
+    fn of(asked: &Simulate, motion: &'a Motion) -> Result<Self, Error> {
+        let rate = motion.frame_rate();
+        let from = asked.from.as_deref().map(|file| pose(file, motion)).transpose()?;
+        let transition_frames = if from.is_some() { (asked.transition * rate).ceil() as usize } else { 0 };
+        let moving = motion.frame_count() - 1;
+        let own = if moving == 0 { (STILL * rate).ceil() as usize } else { moving };
+        let frames = asked.frames.unwrap_or(transition_frames + own);
+        if moving > 0 && frames > transition_frames + moving {
+            let problem = format!("{frames} frames are asked for, but the motion has {}.", transition_frames + moving);
+            return Err(Error::new(problem, "Ask for fewer, or leave --frames out.").within("--frames"));
+        }
+        Ok(Self { motion, from, transition_frames, frames, duration: 1.0 / rate })
+    }
+
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Positions at a frame, m; 0 is where the simulation starts.
+    pub fn at(&self, frame: usize) -> Vec<Vector3> {
+        if frame >= self.transition_frames {
+            return self.motion.positions((frame - self.transition_frames).min(self.motion.frame_count() - 1));
+        }
+        let from = self.from.as_ref().expect("a transition starts from somewhere");
+        let share = frame as f64 / self.transition_frames as f64;
+        // Slowly off and slowly to a stand: 3s² - 2s³.
+        let share = share * share * (3.0 - 2.0 * share);
+        from.iter().zip(self.motion.positions(0)).map(|(a, b)| a + (b - a) * share).collect()
+    }
+}
+
+/// The body of the fit, which has to have the vertices of the one that moves.
+fn pose(file: &Path, motion: &Motion) -> Result<Vec<Vector3>, Error> {
+    let within = |e: Error| e.within(file.display());
+    let (positions, _) = body_obj::mesh(&read::bytes(file)?).map_err(within)?;
+    if positions.len() != motion.vertex_count() {
+        return Err(within(Error::new(
+            format!("It has {} vertices, the body that moves has {}.", positions.len(), motion.vertex_count()),
+            "Export the first frame of the motion as an OBJ, and fit the garment on that.",
+        )));
+    }
+    Ok(positions)
+}
+
+/// Is the garment where the body begins?
+fn in_another_pose(
+    shot: &Shot,
+    positions: &[Vector3],
+    broad_phase: BroadPhase,
+    asked: &Simulate,
+) -> Result<Option<Warning>, Error> {
+    let surface = Surface::new(&shot.at(0), shot.motion.triangles(), broad_phase);
+    let deep = |p: &&Vector3| surface.nearest(**p, 0.1).is_some_and(|place| place.distance < -ANOTHER_POSE);
+    let inside = positions.iter().filter(deep).count();
+    if inside == 0 {
+        return Ok(None);
+    }
+    let problem = format!("{inside} of {} particles start more than 5 mm inside the body.", positions.len());
+    let error = Error::new(
+        problem,
+        "Fit the garment on the first frame of the motion, or give the body that it was fitted on with --from: the body then \
+         moves from that pose to the first one.",
+    )
+    .within(asked.body.display());
+    match inside as f64 > FEW * positions.len() as f64 {
+        true => Err(error),
+        false => Ok(Some(Warning(error))),
+    }
+}
+
+fn blown_up(frame: usize, settings: &Settings) -> Error {
+    let remedy = match settings.integrator {
+        Integrator::Implicit => "Use another integrator, or report it with the files: it should not happen.",
+        _ => "Use more damping, or report it with the files: it should not happen.",
+    };
+    Error::new("The cloth flew apart: positions are no numbers any more.", remedy).within(format!("frame {frame}"))
+}
+
+/// Where a simulation stopped.
+fn go_on(out: &Path, digest: &str, movement: &mut Movement) -> Result<Vec<FrameRecord>, Error> {
+    let file = out.join("checkpoint.toile");
+    let within = |e: Error| e.within(file.display());
+    let checkpoint = checkpoint::read(&read::bytes(&file)?, movement.positions.len()).map_err(within)?;
+    if checkpoint.description.of != digest {
+        return Err(within(Error::new(
+            "It is the checkpoint of another simulation: garments, body, motion or settings differ.",
+            "Give what it was started with, or start anew without --resume.",
+        )));
+    }
+    *movement = checkpoint.movement;
+    Ok(checkpoint.description.frames)
+}
+
+fn record(frame: usize, duration: f64, course: &Course, measured: Option<Measured>) -> FrameRecord {
+    FrameRecord {
+        frame,
+        time: frame as f64 * duration,
+        steps: course.steps,
+        evaluations: course.evaluations,
+        largest_speed: course.largest_speed,
+        rms_speed: course.rms_speed,
+        largest_stretch: course.largest_strain,
+        measured,
+    }
+}
+
+/// Exact tests at the end of a frame. What the body's own skin hides, where a limb lies in another, is inside the body, but
+/// not deep in what can be seen of it.
+fn measure(
+    level: &Level,
+    positions: &[Vector3],
+    body: &[Vector3],
+    triangles: &[[u32; 3]],
+    surface: &Surface,
+) -> Measured {
+    use rayon::prelude::*;
+    let cloth_intersections = crate::assess::cloth_intersections(level, positions).len();
+    let near = |p: &&Vector3| surface.nearest(**p, NEAR_SKIN).is_some_and(|place| place.distance < NEAR_SKIN);
+    let Ok((body, _)) = Body::new(body.to_vec(), triangles.to_vec()) else {
+        // A frame may be no proper body; the surface that the cloth felt is then all there is to measure against.
+        let depth = |p: &Vector3| surface.nearest(*p, 0.1).map_or(0.0, |place| (-place.distance).max(0.0));
+        let depths: Vec<f64> = positions.par_iter().map(depth).collect();
+        return Measured {
+            particles_inside: depths.iter().filter(|d| **d > 0.0).count(),
+            deepest_mm: depths.iter().copied().fold(0.0, f64::max) * 1e3,
+            body_intersections: 0,
+            cloth_intersections,
+        };
+    };
+    let depth = |p: &Vector3| match body.contains(*p) {
+        true => body.nearest(*p, 0.2).map_or(0.2, |nearest| nearest.distance),
+        false => 0.0,
+    };
+    let depths: Vec<f64> = positions.par_iter().filter(near).map(depth).collect();
+    Measured {
+        particles_inside: depths.iter().filter(|d| **d > 0.0).count(),
+        deepest_mm: depths.iter().copied().fold(0.0, f64::max) * 1e3,
+        body_intersections: crate::assess::body_intersections(level, positions, &body).len(),
+        cloth_intersections,
+    }
+}
+
+/// Only particles nearer to the skin than this are asked whether they are inside, m.
+const NEAR_SKIN: f64 = 0.05;
+
+/// Tells of the frames as they are done.
+enum Watcher {
+    Bar(ProgressBar),
+    Lines {
+        last: Instant,
+        started: Instant,
+        /// Frames before it started, and in all.
+        done: usize,
+        frames: usize,
+    },
+    Json,
+    Silent,
+}
+
+/// Seconds between two lines where no terminal shows a bar.
+const BETWEEN_LINES: f64 = 5.0;
+
+impl Watcher {
+    fn new(progress: Progress, frames: usize, done: usize) -> Self {
+        match progress {
+            Progress::Auto if std::io::stderr().is_terminal() => {
+                let bar = ProgressBar::with_draw_target(Some(frames as u64), ProgressDrawTarget::stderr());
+                let template = "frame {pos}/{len} {bar:30} {msg}, {eta} left";
+                bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+                bar.set_position(done as u64);
+                bar.reset_eta();
+                Self::Bar(bar)
+            }
+            Progress::Auto => Self::Lines { last: Instant::now(), started: Instant::now(), done, frames },
+            Progress::Json => Self::Json,
+            Progress::None => Self::Silent,
+        }
+    }
+
+    fn frame(&mut self, record: &FrameRecord) {
+        let speed = format!("{} steps, up to {:.2} m/s", record.steps, record.largest_speed);
+        match self {
+            Self::Bar(bar) => {
+                bar.set_message(speed);
+                bar.inc(1);
+            }
+            Self::Lines { last, started, done, frames } if last.elapsed().as_secs_f64() > BETWEEN_LINES => {
+                let pace = started.elapsed().as_secs_f64() / (record.frame - *done) as f64;
+                let left = pace * (*frames - record.frame) as f64;
+                eprintln!("frame {} of {frames}: {speed}; about {left:.0} s left", record.frame);
+                *last = Instant::now();
+            }
+            Self::Json => eprintln!("{}", json!({ "event": "frame", "record": record })),
+            Self::Lines { .. } | Self::Silent => {}
+        }
+    }
+
+    fn finish(&self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
