@@ -139,7 +139,8 @@ impl Glb {
     /// Two joints, one in the other, and a box of 1 m around them with corners of their own for each side; the second
     /// joint carries the top and turns about z by 90° in a second, while a morph target moves the bottom in z.
     fn bent_box() -> Self {
-        let mut glb = Self { json: json!({"asset": {"version": "2.0"}, "bufferViews": [], "accessors": []}), binary: Vec::new() };
+        let mut glb =
+            Self { json: json!({"asset": {"version": "2.0"}, "bufferViews": [], "accessors": []}), binary: Vec::new() };
         let corner = |k: u8| [f32::from(k & 1), f32::from(k >> 1 & 1), f32::from(k >> 2 & 1)];
         let sides: [[u8; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let corners: Vec<[f32; 3]> = sides.iter().flatten().map(|&k| corner(k)).collect();
@@ -280,18 +281,27 @@ fn poke(glb: &mut Glb, accessor: &Value, element: usize, number: f32) {
 fn damaged_animations_are_told_with_their_place() {
     let sampler = |glb: &Glb, end: &str| glb.json["animations"][0]["samplers"][0][end].clone();
     let attribute = |glb: &Glb, name: &str| glb.json["meshes"][0]["primitives"][0]["attributes"][name].clone();
-    refused(|g| g.json["animations"][0]["samplers"][0]["output"] = json!(99), &["animation 0 \"bend\"", "channel 0", "accessor 99"]);
+    refused(
+        |g| g.json["animations"][0]["samplers"][0]["output"] = json!(99),
+        &["animation 0 \"bend\"", "channel 0", "accessor 99"],
+    );
     refused(|g| poke(g, &sampler(g, "output"), 5, f32::NAN), &["channel 0", "element 1", "NaN"]);
     refused(|g| (4..8).for_each(|k| poke(g, &sampler(g, "output"), k, 0.0)), &["channel 0", "element 1", "zero"]);
     refused(|g| poke(g, &sampler(g, "input"), 1, -1.0), &["channel 0", "key 1", "do not ascend"]);
     refused(|g| poke(g, &sampler(g, "input"), 1, 1e30), &["lasts"]);
-    refused(|g| g.json["animations"][0]["samplers"][0]["interpolation"] = json!("CUBICSPLINE"), &["2 keys and 2 values; 6"]);
+    refused(
+        |g| g.json["animations"][0]["samplers"][0]["interpolation"] = json!("CUBICSPLINE"),
+        &["2 keys and 2 values; 6"],
+    );
     refused(|g| g.json["animations"][0]["samplers"][0]["interpolation"] = json!("WAVY"), &["channel 0", "LINEAR"]);
     refused(|g| g.json["animations"][0]["channels"][0]["target"]["node"] = json!(7), &["channel 0", "node 7"]);
     refused(|g| g.json["animations"][0]["channels"][0]["sampler"] = json!(7), &["channel 0", "sampler 7"]);
     refused(|g| g.json["nodes"][1] = json!({"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,1,0,1]}), &["node 1", "matrix"]);
     refused(|g| g.json["nodes"][1]["rotation"] = json!([0, 0, 0, 0]), &["node 1 \"top\"", "quaternion"]);
-    refused(|g| g.json["nodes"][1]["children"] = json!([0]), &["node 1", "ancestor"].map(|w| if w == "node 1" { "node" } else { w }));
+    refused(
+        |g| g.json["nodes"][1]["children"] = json!([0]),
+        &["node 1", "ancestor"].map(|w| if w == "node 1" { "node" } else { w }),
+    );
     refused(|g| g.json["nodes"][2]["children"] = json!([1]), &["node 2 \"box\"", "child of node 0"]);
     refused(|g| g.json["nodes"][2]["skin"] = json!(3), &["node 2 \"box\"", "skin 3"]);
     refused(|g| g.json["skins"][0]["joints"] = json!([0]), &["primitive 0", "joint 1", "1 joints"]);
@@ -299,7 +309,10 @@ fn damaged_animations_are_told_with_their_place() {
     refused(|g| g.json["skins"][0]["joints"] = json!([]), &["skin 0", "no joints"]);
     let zero = |g: &mut Glb| {
         let accessor = attribute(g, "WEIGHTS_0").as_u64().unwrap() as usize;
-        let at = g.json["bufferViews"][g.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize]["byteOffset"].as_u64().unwrap();
+        let at =
+            g.json["bufferViews"][g.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize]["byteOffset"]
+                .as_u64()
+                .unwrap();
         g.binary[at as usize + 20] = 0;
     };
     refused(zero, &["mesh 0, primitive 0", "Vertex 5", "sum to 0"]);
@@ -312,7 +325,10 @@ fn damaged_animations_are_told_with_their_place() {
     refused(|g| poke(g, &attribute(g, "POSITION"), 7, f32::INFINITY), &["accessor 0", "element 2", "inf"]);
     refused(|g| poke(g, &attribute(g, "POSITION"), 7, 1e20), &["rest shape", "Vertex"]);
     refused(|g| g.json["scenes"] = json!([]), &["no mesh"].map(|_| "scene").as_slice());
-    refused(|g| g.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), &["draco", "without compression"]);
+    refused(
+        |g| g.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+        &["draco", "without compression"],
+    );
     refused(|g| g.json["asset"]["version"] = json!("1.0"), &["glTF 1.0"]);
     refused(|g| drop(g.json.as_object_mut().unwrap().remove("meshes")), &["node 2 \"box\"", "mesh 0"]);
 }
@@ -378,7 +394,9 @@ fn attack(bytes: &[u8], rounds: usize, read: impl Fn(&[u8]) -> Result<Motion, Er
                 assert!(last.iter().all(|p| p.iter().all(|c| c.is_finite())));
                 assert!(motion.triangles().iter().flatten().all(|&v| (v as usize) < last.len()));
             }
-            Err(error) => assert!(error.problem().ends_with('.') && error.remedy().len() > 10, "{error}: {}", error.remedy()),
+            Err(error) => {
+                assert!(error.problem().ends_with('.') && error.remedy().len() > 10, "{error}: {}", error.remedy())
+            }
         }
     }
     assert!(started.elapsed() < Duration::from_secs(60), "it took {:?}", started.elapsed());
@@ -410,7 +428,9 @@ fn no_damage_to_caches_and_captures_stops_their_readers() {
     let mut mdd: Vec<u8> = [2i32, 4].iter().flat_map(|n| n.to_be_bytes()).collect();
     mdd.extend((0..26).flat_map(|k| (k as f32).to_be_bytes()));
     attack(&mdd, 700, |bytes| through("a.mdd", &obj, bytes));
-    let joint = |name: &str, inner: &str| format!("{name}\n{{\nOFFSET 0 -1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n{inner}}}\n");
+    let joint = |name: &str, inner: &str| {
+        format!("{name}\n{{\nOFFSET 0 -1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n{inner}}}\n")
+    };
     let foot = joint("ROOT foot", &joint("JOINT top", "End Site\n{\nOFFSET 0 -1 0\n}\n"));
     let bvh = format!("HIERARCHY\n{foot}MOTION\nFrames: 2\nFrame Time: 0.04\n0 0 0 0 0 0\n90 0 0 10 20 30\n");
     attack(bvh.as_bytes(), 700, |bytes| through("a.bvh", &glb, bytes));

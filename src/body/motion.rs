@@ -220,7 +220,8 @@ impl Skinned {
                 let start = if v == 0 { 0 } else { self.influence_ends[v - 1] as usize };
                 let rest = position.push(1.0);
                 let blended = |sum, &(bone, weight): &(u32, f64)| sum + bones[bone as usize] * rest * weight;
-                *position = self.influences[start..self.influence_ends[v] as usize].iter().fold(Vector3::zeros(), blended);
+                *position =
+                    self.influences[start..self.influence_ends[v] as usize].iter().fold(Vector3::zeros(), blended);
             }
         });
     }
@@ -289,7 +290,8 @@ mod tests {
     /// A ball of which the upper half follows a second bone, which rises by 1 m a frame, and a morph that moves it all in x.
     fn rising() -> (Vec<[u32; 3]>, Skinned) {
         let (rest, triangles) = sphere(Vector3::new(0.0, 0.5, 0.0), 0.5, 8);
-        let bone = |y: f64| Affine::identity().map_with_location(|row, column, c| if (row, column) == (1, 3) { y } else { c });
+        let bone =
+            |y: f64| Affine::identity().map_with_location(|row, column, c| if (row, column) == (1, 3) { y } else { c });
         let skinned = Skinned {
             influence_ends: (1..=rest.len() as u32).collect(),
             influences: rest.iter().map(|p| (u32::from(p.y > 0.5), 1.0)).collect(),
@@ -327,7 +329,10 @@ mod tests {
             assert_eq!(baked.bounds(k), skinned.bounds(k));
         }
         assert_eq!(baked.body(0).unwrap().0.positions(), frames[0]);
-        assert!(baked.with_parts(Parts { names: vec!["all".into()], of_vertex: vec![0; out.len()] }).parts().names.len() == 1);
+        assert!(
+            baked.with_parts(Parts { names: vec!["all".into()], of_vertex: vec![0; out.len()] }).parts().names.len()
+                == 1
+        );
     }
 
     #[test]

@@ -89,11 +89,13 @@ impl Capture {
 
 /// Reads the text of a BVH file.
 pub fn read(text: &str) -> Result<Capture, Error> {
-    let mut lines = text.lines().zip(1u32..).map(|(line, number)| (line.trim(), number)).filter(|(line, _)| !line.is_empty());
+    let mut lines =
+        text.lines().zip(1u32..).map(|(line, number)| (line.trim(), number)).filter(|(line, _)| !line.is_empty());
     let (joints, width) = hierarchy(&mut lines)?;
     let mut header = |what: &str| -> Result<f64, Error> {
         let (line, number) = lines.next().ok_or_else(|| ended(what))?;
-        let value = line.get(..what.len()).filter(|start| start.eq_ignore_ascii_case(what)).map(|_| line[what.len()..].trim());
+        let value =
+            line.get(..what.len()).filter(|start| start.eq_ignore_ascii_case(what)).map(|_| line[what.len()..].trim());
         let value = value.and_then(|v| v.parse().ok()).filter(|v: &f64| v.is_finite());
         value.ok_or_else(|| at(number, format!("\"{what}\" and a number should stand here.")))
     };
@@ -120,7 +122,10 @@ pub fn read(text: &str) -> Result<Capture, Error> {
             numbers.push(value.ok_or_else(wrong)?);
         }
         if numbers.len() != (k + 1) * width {
-            let problem = format!("Frame {k} has {} numbers, there are {width} channels.", numbers.len() as i64 - (k * width) as i64);
+            let problem = format!(
+                "Frame {k} has {} numbers, there are {width} channels.",
+                numbers.len() as i64 - (k * width) as i64
+            );
             return Err(at(number, problem));
         }
     }
@@ -152,24 +157,38 @@ fn hierarchy<'a>(lines: &mut impl Iterator<Item = (&'a str, u32)>) -> Result<(Ve
             "HIERARCHY" => {}
             "MOTION" if open.is_empty() && named.is_none() && !joints.is_empty() => return Ok((joints, width)),
             "ROOT" | "JOINT" | "END" => {
-                if named.is_some() || (keyword == "ROOT") != open.is_empty() || (keyword == "ROOT" && !joints.is_empty()) {
+                if named.is_some()
+                    || (keyword == "ROOT") != open.is_empty()
+                    || (keyword == "ROOT" && !joints.is_empty())
+                {
                     return Err(at(number, format!("{keyword} stands where no joint can begin; there is one root.")));
                 }
                 if joints.len() == MOST_JOINTS {
                     return Err(at(number, format!("There are more than {MOST_JOINTS} joints.")));
                 }
                 let name = if keyword == "END" { String::new() } else { line[keyword.len()..].trim().to_owned() };
-                let joint = Joint { name, parent: open.last().copied(), offset: Vector3::zeros(), channels: Vec::new(), first: width };
+                let joint = Joint {
+                    name,
+                    parent: open.last().copied(),
+                    offset: Vector3::zeros(),
+                    channels: Vec::new(),
+                    first: width,
+                };
                 named = Some(joints.len());
                 joints.push(joint);
             }
-            "{" => open.push(named.take().ok_or_else(|| at(number, "A brace opens without a joint before it.".into()))?),
+            "{" => {
+                open.push(named.take().ok_or_else(|| at(number, "A brace opens without a joint before it.".into()))?)
+            }
             "}" => {
-                open.pop().filter(|_| named.is_none()).ok_or_else(|| at(number, "A brace closes that was not opened.".into()))?;
+                open.pop()
+                    .filter(|_| named.is_none())
+                    .ok_or_else(|| at(number, "A brace closes that was not opened.".into()))?;
             }
             "OFFSET" | "CHANNELS" => {
                 let joint = open.last().filter(|_| named.is_none());
-                let joint = &mut joints[*joint.ok_or_else(|| at(number, format!("{keyword} stands outside a joint.")))?];
+                let joint =
+                    &mut joints[*joint.ok_or_else(|| at(number, format!("{keyword} stands outside a joint.")))?];
                 if keyword == "OFFSET" {
                     joint.offset = offset(words).ok_or_else(|| at(number, "OFFSET needs three numbers.".into()))?;
                 } else {
@@ -181,13 +200,22 @@ fn hierarchy<'a>(lines: &mut impl Iterator<Item = (&'a str, u32)>) -> Result<(Ve
                     width += joint.channels.len();
                 }
             }
-            _ => return Err(at(number, format!("\"{}\" is no word of a hierarchy.", line.chars().take(40).collect::<String>().escape_debug()))),
+            _ => {
+                return Err(at(
+                    number,
+                    format!(
+                        "\"{}\" is no word of a hierarchy.",
+                        line.chars().take(40).collect::<String>().escape_debug()
+                    ),
+                ));
+            }
         }
     }
     Err(ended("MOTION"))
 }
 
-const CHANNELS: &str = "CHANNELS needs a count and as many of Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation.";
+const CHANNELS: &str =
+    "CHANNELS needs a count and as many of Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation.";
 
 fn offset<'a>(words: impl Iterator<Item = &'a str>) -> Option<Vector3> {
     let numbers: Vec<f64> = words.map(|w| w.parse().ok().filter(|v: &f64| v.abs() <= 1e9)).collect::<Option<_>>()?;
@@ -230,7 +258,9 @@ mod tests {
         let turned = read(&both).unwrap().pose(1, 1).rotation * Vector3::z();
         assert!((turned - Vector3::y()).norm() < 1e-12, "{turned}");
         let halfway = capture.pose_at(0, 0.5);
-        assert!((halfway.translation.z - 3.5).abs() < 1e-12 && (halfway.rotation.angle() - 45f64.to_radians()).abs() < 1e-9);
+        assert!(
+            (halfway.translation.z - 3.5).abs() < 1e-12 && (halfway.rotation.angle() - 45f64.to_radians()).abs() < 1e-9
+        );
     }
 
     #[test]

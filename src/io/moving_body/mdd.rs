@@ -31,14 +31,18 @@ pub fn read(bytes: &[u8], (positions, triangles): Mesh, frame_rate: Option<f64>)
     check_baked_size(positions.len(), samples)?;
     let start = HEADER + 4 * samples;
     if bytes.len() < start {
-        return Err(wrong(bytes.len(), format!("The cache is cut: the times of its {samples} samples end at byte {start}.")));
+        return Err(wrong(
+            bytes.len(),
+            format!("The cache is cut: the times of its {samples} samples end at byte {start}."),
+        ));
     }
     let times: Vec<f64> = (0..samples).map(|k| f64::from(f32::from_be_bytes(word(HEADER + 4 * k)))).collect();
     if let Some(k) = times.iter().position(|t| !t.is_finite()) {
         return Err(wrong(HEADER + 4 * k, format!("Sample {k} is at {} s.", times[k])));
     }
     if let Some(k) = times.windows(2).position(|w| w[0] >= w[1]) {
-        let problem = format!("The times of its samples do not ascend: {} s comes before {} s.", times[k], times[k + 1]);
+        let problem =
+            format!("The times of its samples do not ascend: {} s comes before {} s.", times[k], times[k + 1]);
         return Err(wrong(HEADER + 4 * (k + 1), problem));
     }
     let frames = pc2::frames(&bytes[start..], start, positions.len(), samples, f32::from_be_bytes)?;

@@ -45,7 +45,8 @@ pub fn open(path: &Path, options: &Options) -> Result<(Motion, Vec<Warning>), Er
         return Err(Error::new(format!("{rate} frames a second were asked for."), remedy));
     }
     if path.is_dir() || obj_sequence::is_pattern(path) {
-        return obj_sequence::open(path, options.frame_rate.unwrap_or(USUAL_FRAME_RATE)).map(|motion| (motion, Vec::new()));
+        return obj_sequence::open(path, options.frame_rate.unwrap_or(USUAL_FRAME_RATE))
+            .map(|motion| (motion, Vec::new()));
     }
     let bytes = read::bytes(path)?;
     let here = |e: Error| e.within(path.display());
@@ -114,8 +115,14 @@ impl Format {
             return Some(Self::Bvh);
         }
         let suffix = path.extension()?.to_string_lossy().to_ascii_lowercase();
-        let formats =
-            [("glb", Self::Gltf), ("gltf", Self::Gltf), ("obj", Self::Obj), ("pc2", Self::Pc2), ("mdd", Self::Mdd), ("bvh", Self::Bvh)];
+        let formats = [
+            ("glb", Self::Gltf),
+            ("gltf", Self::Gltf),
+            ("obj", Self::Obj),
+            ("pc2", Self::Pc2),
+            ("mdd", Self::Mdd),
+            ("bvh", Self::Bvh),
+        ];
         formats.into_iter().find(|(name, _)| *name == suffix).map(|(_, format)| format)
     }
 }

@@ -37,7 +37,9 @@ pub fn open(path: &Path, frame_rate: f64) -> Result<Motion, Error> {
         check_baked_size(vertices, files.len()).map_err(|e| e.within(path.display()))?;
         match &first {
             None => first = Some(triangles),
-            Some(first) => same_mesh(first, vertices, &triangles, positions.len()).map_err(|e| e.within(file.display()))?,
+            Some(first) => {
+                same_mesh(first, vertices, &triangles, positions.len()).map_err(|e| e.within(file.display()))?
+            }
         }
         frames.push(positions);
     }
@@ -46,7 +48,10 @@ pub fn open(path: &Path, frame_rate: f64) -> Result<Motion, Error> {
 
 fn same_mesh(first: &[[u32; 3]], vertices: usize, now: &[[u32; 3]], vertices_now: usize) -> Result<(), Error> {
     let differs = |problem: String| {
-        Error::new(problem, "All frames must be of one mesh: export them from one body, without modifiers that rebuild it.")
+        Error::new(
+            problem,
+            "All frames must be of one mesh: export them from one body, without modifiers that rebuild it.",
+        )
     };
     if vertices_now != vertices {
         return Err(differs(format!("The frame has {vertices_now} vertices, the first one has {vertices}.")));
@@ -123,13 +128,17 @@ fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
             None => None,
         };
         let Some(number) = number.filter(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())) else { continue };
-        let number = number.parse().map_err(|_| Error::new(format!("\"{name}\" has no possible number."), NUMBERING))?;
+        let number =
+            number.parse().map_err(|_| Error::new(format!("\"{name}\" has no possible number."), NUMBERING))?;
         found.push((number, name));
     }
     found.sort();
     if found.is_empty() {
         let problem = "There are no numbered OBJ files of this sequence.";
-        return Err(Error::new(problem, "Name a folder of frames such as walk_0001.obj, or a pattern such as walk_%04d.obj."));
+        return Err(Error::new(
+            problem,
+            "Name a folder of frames such as walk_0001.obj, or a pattern such as walk_%04d.obj.",
+        ));
     }
     if let Some(w) = found.windows(2).find(|w| w[0].0.checked_add(1) != Some(w[1].0)) {
         return Err(Error::new(format!("After \"{}\" comes \"{}\".", w[0].1, w[1].1), NUMBERING));

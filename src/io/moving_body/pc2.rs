@@ -3,8 +3,8 @@
 //! 12 bytes `POINTCACHE2\0`, i32 version 1, i32 points, f32 first frame, f32 frames from sample to sample, i32 samples; then
 //! three f32 for each point of each sample.
 
-use super::obj_sequence::Mesh;
 use super::USUAL_FRAME_RATE;
+use super::obj_sequence::Mesh;
 use crate::Error;
 use crate::body::Motion;
 use crate::body::motion::check_baked_size;
@@ -21,7 +21,8 @@ pub fn read(bytes: &[u8], (positions, triangles): Mesh, frame_rate: Option<f64>)
         return Err(wrong(0, "It does not begin as a PC2 cache does.".into()));
     }
     let word = |at: usize| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
-    let (version, points, samples) = (i32::from_le_bytes(word(12)), i32::from_le_bytes(word(16)), i32::from_le_bytes(word(28)));
+    let (version, points, samples) =
+        (i32::from_le_bytes(word(12)), i32::from_le_bytes(word(16)), i32::from_le_bytes(word(28)));
     let frames_per_sample = f64::from(f32::from_le_bytes(word(24)));
     if version != 1 {
         return Err(wrong(12, format!("It has the version {version}, not 1.")));
@@ -49,12 +50,14 @@ pub fn frames(
 ) -> Result<Vec<Vec<Vector3>>, Error> {
     let needed = points * samples * 12;
     if bytes.len() < needed {
-        let problem = format!("The cache is cut: {samples} samples of {points} vertices end at byte {}.", offset + needed);
+        let problem =
+            format!("The cache is cut: {samples} samples of {points} vertices end at byte {}.", offset + needed);
         return Err(Error::new(problem, EXPORT_AGAIN).within(format!("byte {}", offset + bytes.len())));
     }
     let numbers = bytes[..needed].as_chunks::<4>().0;
     if let Some(k) = numbers.iter().position(|&n| !number(n).is_finite()) {
-        let error = Error::new("A coordinate is no finite number.", EXPORT_AGAIN).within(format!("byte {}", offset + 4 * k));
+        let error =
+            Error::new("A coordinate is no finite number.", EXPORT_AGAIN).within(format!("byte {}", offset + 4 * k));
         return Err(error.within(format!("sample {}, vertex {}", k / 3 / points, k / 3 % points + 1)));
     }
     let point = |p: &[[u8; 4]; 3]| Vector3::from(p.map(|n| f64::from(number(n))));

@@ -11,8 +11,8 @@
 //! * nothing is done against feet that slide or fingers that meet: that would be animation. y is up in the capture.
 
 use super::bvh::Capture;
-use super::gltf::{Rig, Skeleton, affine};
 use super::frames_within;
+use super::gltf::{Rig, Skeleton, affine};
 use crate::body::Motion;
 use crate::body::motion::Affine;
 use crate::geometry::Vector3;
@@ -130,7 +130,9 @@ impl Retargeting {
 pub fn plain_name(name: &str) -> String {
     let last = name.rsplit(':').next().unwrap_or(name);
     let plain: String = last.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
-    plain.strip_prefix("mixamorig").map_or(plain.clone(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).to_owned())
+    plain
+        .strip_prefix("mixamorig")
+        .map_or(plain.clone(), |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).to_owned())
 }
 
 /// For each joint of the capture the node that it moves.
@@ -155,10 +157,16 @@ fn pairs(
     for (joint, node) in names {
         let j = capture.joints.iter().position(|j| !j.name.is_empty() && j.name == *joint).ok_or_else(|| {
             let there = listed(capture.joints.iter().map(|j| j.name.as_str()).filter(|n| !n.is_empty()).collect());
-            Error::new(format!("The motion has no joint \"{}\".", joint.escape_debug()), format!("Its joints are: {there}."))
+            Error::new(
+                format!("The motion has no joint \"{}\".", joint.escape_debug()),
+                format!("Its joints are: {there}."),
+            )
         })?;
         let n = joints.iter().copied().find(|&n| skeleton.names[n] == *node).ok_or_else(|| {
-            Error::new(format!("The body has no joint \"{}\".", node.escape_debug()), format!("Its joints are: {}.", of_body()))
+            Error::new(
+                format!("The body has no joint \"{}\".", node.escape_debug()),
+                format!("Its joints are: {}.", of_body()),
+            )
         })?;
         if node_of[j].is_some() || std::mem::replace(&mut taken[n], true) {
             let problem = format!("\"{}\" or \"{}\" is paired twice.", joint.escape_debug(), node.escape_debug());

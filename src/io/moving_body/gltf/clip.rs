@@ -1,5 +1,6 @@
 //! One animation of a glTF file: keys, and what lies between them (glTF 2.0, section 3.11 and appendix C).
 
+use super::accessor::{Numbers, Wanted};
 use super::document::{Document, EXPORT_AGAIN, named};
 use super::nodes::{Local, Nodes, rotation};
 use crate::Error;
@@ -9,7 +10,6 @@ use gltf_json::animation::{Animation, Interpolation, Property};
 use gltf_json::validation::Checked;
 use gltf_json::{Accessor, Index, animation};
 use nalgebra::{UnitQuaternion, Vector4};
-use super::accessor::{Numbers, Wanted};
 
 /// Frames a second where the keys do not tell.
 const USUAL_RATE: f64 = 24.0;
@@ -44,10 +44,17 @@ impl Clip {
         let channel = |(k, c): (usize, &animation::Channel)| {
             channel(document, &animation, c, nodes, morphs).map_err(|e| e.within(format!("channel {k}")))
         };
-        let channels: Vec<Channel> =
-            animation.channels.iter().enumerate().map(channel).collect::<Result<_, _>>().map_err(|e| e.within(&place))?;
+        let channels: Vec<Channel> = animation
+            .channels
+            .iter()
+            .enumerate()
+            .map(channel)
+            .collect::<Result<_, _>>()
+            .map_err(|e| e.within(&place))?;
         if channels.is_empty() {
-            return Err(Error::new("The animation moves nothing.", "Name another animation of the file.").within(&place));
+            return Err(
+                Error::new("The animation moves nothing.", "Name another animation of the file.").within(&place)
+            );
         }
         let start = channels.iter().map(|c| c.times[0]).fold(f64::INFINITY, f64::min);
         let end = channels.iter().map(|c| c.times[c.times.len() - 1]).fold(f64::NEG_INFINITY, f64::max);
@@ -112,13 +119,15 @@ fn channel(
         return Err(wrong(format!("It moves {}, which is placed by a matrix.", nodes.place(node))));
     }
     let sampler = animation.samplers.get(channel.sampler.value());
-    let sampler = sampler.ok_or_else(|| wrong(format!("It names sampler {}, which does not exist.", channel.sampler.value())))?;
+    let sampler =
+        sampler.ok_or_else(|| wrong(format!("It names sampler {}, which does not exist.", channel.sampler.value())))?;
     let Checked::Valid(interpolation) = sampler.interpolation else {
         return Err(wrong("Its interpolation is none of LINEAR, STEP and CUBICSPLINE.".into()));
     };
     let times = document.numbers(sampler.input, Type::Scalar, Wanted::Real)?.values;
     if let Some(k) = times.windows(2).position(|w| w[0] >= w[1]) {
-        let error = wrong(format!("The times of its keys do not ascend: {} s comes before {} s.", times[k], times[k + 1]));
+        let error =
+            wrong(format!("The times of its keys do not ascend: {} s comes before {} s.", times[k], times[k + 1]));
         return Err(error.within(format!("accessor {}, key {}", sampler.input.value(), k + 1)));
     }
     let (shape, width) = match property {
@@ -265,7 +274,8 @@ mod tests {
     #[test]
     fn cubic_splines_are_the_cubic_that_has_their_values_and_tangents() {
         // x³ on [1, 3]: values 1 and 27, slopes 3 and 27; tangents outside are never looked at.
-        let cube = channel(Interpolation::CubicSpline, Property::MorphTargetWeights, vec![9e9, 1.0, 3.0, 27.0, 27.0, 9e9], 1);
+        let cube =
+            channel(Interpolation::CubicSpline, Property::MorphTargetWeights, vec![9e9, 1.0, 3.0, 27.0, 27.0, 9e9], 1);
         for time in [1.0f64, 1.7, 2.0, 2.9, 3.0] {
             assert!((at(&cube, time)[0] - time.powi(3)).abs() < 1e-12);
         }

@@ -14,7 +14,8 @@ const MOST_BUFFER_BYTES: usize = 1 << 30;
 /// Numbers that all accessors together may ask for: files can ask for the same ones many times, or for zeros.
 const MOST_NUMBERS: usize = 1 << 26;
 
-pub const EXPORT_AGAIN: &str = "Export the file again; if that does not help, open it in another program and export it from there.";
+pub const EXPORT_AGAIN: &str =
+    "Export the file again; if that does not help, open it in another program and export it from there.";
 
 /// Fetches the file that a buffer names, relative to the glTF file.
 pub type Fetch<'a> = &'a mut dyn FnMut(&str) -> Result<Vec<u8>, Error>;
@@ -133,9 +134,9 @@ fn buffers(root: &Root, binary: Option<&[u8]>, fetch: Fetch) -> Result<Vec<Vec<u
         let place = || named("buffer", k, buffer.name.as_ref());
         let mut bytes = match &buffer.uri {
             Some(uri) => referenced(uri, fetch),
-            None if k == 0 => binary.map(<[u8]>::to_vec).ok_or_else(|| {
-                Error::new("The file has no binary chunk, which its first buffer needs.", EXPORT_AGAIN)
-            }),
+            None if k == 0 => binary
+                .map(<[u8]>::to_vec)
+                .ok_or_else(|| Error::new("The file has no binary chunk, which its first buffer needs.", EXPORT_AGAIN)),
             None => Err(Error::new("The buffer says neither where its bytes are nor is it the first.", EXPORT_AGAIN)),
         }
         .map_err(|e| e.within(place()))?;

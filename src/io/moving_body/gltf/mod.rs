@@ -127,7 +127,8 @@ impl Rig {
     /// The clip by its name, or by its number counted from 0; the first if none is named.
     fn clip_number(&mut self, asked: Option<&str>) -> Result<Option<usize>, Error> {
         let clips = &self.document.root.animations;
-        let listed: Vec<String> = clips.iter().zip(0..).map(|(c, k)| named("animation", k, c.name.as_ref())).take(20).collect();
+        let listed: Vec<String> =
+            clips.iter().zip(0..).map(|(c, k)| named("animation", k, c.name.as_ref())).take(20).collect();
         let Some(asked) = asked else {
             if clips.len() > 1 {
                 self.warnings.push(Warning(Error::new(
@@ -165,7 +166,8 @@ impl Rig {
 
     /// The nodes that carry vertices of skins.
     pub fn joints(&self) -> Vec<usize> {
-        let mut joints: Vec<usize> = self.document.root.skins.iter().flat_map(|s| &s.joints).map(|j| j.value()).collect();
+        let mut joints: Vec<usize> =
+            self.document.root.skins.iter().flat_map(|s| &s.joints).map(|j| j.value()).collect();
         joints.retain(|&j| j < self.nodes.order.len());
         joints.sort_unstable();
         joints.dedup();
@@ -205,7 +207,8 @@ fn mesh_nodes(document: &Document, nodes: &Nodes, names: &[String]) -> Result<Ve
     for &k in &nodes.order {
         shown[k] |= nodes.parents[k].is_some_and(|parent| shown[parent]);
     }
-    let name_of_mesh = |k: usize| root.nodes[k].mesh.and_then(|mesh| root.get(mesh)).and_then(|mesh| mesh.name.as_ref());
+    let name_of_mesh =
+        |k: usize| root.nodes[k].mesh.and_then(|mesh| root.get(mesh)).and_then(|mesh| mesh.name.as_ref());
     let is_asked = |name: Option<&String>| name.is_some_and(|name| names.contains(name));
     let mut found: Vec<usize> = (0..shown.len()).filter(|&k| shown[k] && root.nodes[k].mesh.is_some()).collect();
     let listed: Vec<String> = found.iter().take(20).map(|&k| nodes.place(k)).collect();
@@ -222,4 +225,3 @@ fn mesh_nodes(document: &Document, nodes: &Nodes, names: &[String]) -> Result<Ve
     }
     Ok(found)
 }
-

@@ -63,7 +63,10 @@ impl Surface {
             surface.add(document, node, &globals[node]).map_err(|e| e.within(nodes.place(node)))?;
         }
         if surface.triangles.is_empty() {
-            return Err(Error::new("There are no triangles in the scene.", "Export the body together with its skeleton."));
+            return Err(Error::new(
+                "There are no triangles in the scene.",
+                "Export the body together with its skeleton.",
+            ));
         }
         Ok(surface)
     }
