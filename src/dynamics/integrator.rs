@@ -192,8 +192,14 @@ impl Stepper {
     }
 }
 
+/// Waking a thread takes as long as so many sums.
+const FEW: usize = 12_000;
+
 /// Calls `set` with every index and element.
 pub fn for_all(values: &mut [Vector3], set: impl Fn(usize, &mut Vector3) + Sync) {
+    if values.len() < FEW {
+        return values.iter_mut().enumerate().for_each(|(k, value)| set(k, value));
+    }
     values.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, values)| {
         values.iter_mut().enumerate().for_each(|(k, value)| set(chunk * CHUNK + k, value));
     });

@@ -135,7 +135,12 @@ impl Simulation {
 
     /// Moves on by `duration`, s, in equal steps where the integrator leaves them equal, or until `done` says of a step
     /// that it was the last.
-    pub fn run(&mut self, surface: &mut Surface, duration: f64, mut done: impl FnMut(&Course) -> bool) -> Course {
+    pub fn run(&mut self, surface: &mut Surface, duration: f64, done: impl FnMut(&Course) -> bool + Send) -> Course {
+        // Parallel work that is begun outside the pool wakes a thread and waits for it, each time.
+        rayon::scope(|_| self.steps(surface, duration, done))
+    }
+
+    fn steps(&mut self, surface: &mut Surface, duration: f64, mut done: impl FnMut(&Course) -> bool) -> Course {
         let before = self.stepper.evaluations;
         let mut course = Course { shortest_step: f64::INFINITY, ..Course::default() };
         let mut elapsed = 0.0;
@@ -144,8 +149,8 @@ impl Simulation {
             let wanted = left / (left / self.step_length()).ceil().max(1.0);
             let (step, met) = self.step(surface, wanted, (elapsed, duration));
             elapsed = if duration - elapsed - step < SLIVER * duration { duration } else { elapsed + step };
-            let squared = self.movement.velocities.par_iter().map(|v| v.norm_squared());
-            let largest = squared.reduce(|| 0.0, f64::max).sqrt();
+            let squared = self.movement.velocities.iter().map(|v| v.norm_squared());
+            let largest = squared.fold(0.0, f64::max).sqrt();
             course.steps += 1;
             course.elapsed = elapsed;
             course.shortest_step = course.shortest_step.min(step);

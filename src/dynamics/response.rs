@@ -26,29 +26,39 @@ const BAND: f64 = 5e-4;
 /// Cloth inside its clearance regains it at this speed, m/s: fast enough to follow a limb that turns under it, slow
 /// enough not to throw it off.
 const RECOVERY: f64 = 0.05;
-/// Particles within this distance of the skin follow their place step by step, m; those farther away are looked for
-/// again when they may have come within it.
+/// Particles within this distance of the skin remember their place, m; for those farther away it is looked for again.
 const NEAR: f64 = 0.012;
 /// How far away the nearest place is looked for, m.
 const REACH: f64 = 0.12;
-/// After so many steps a place that is followed is looked for again: a nearer one may have come from elsewhere.
-const FOLLOWED: u32 = 16;
+/// After so many steps a place that is remembered is looked for again: a nearer one may have come from elsewhere.
+const REMEMBERED: u32 = 24;
+/// For so many steps a place is taken to go along with its triangle, unless the particle has slid farther over the skin
+/// than [`SLID`], m: the skin turns by less than its triangles meet at.
+const CARRIED: u32 = 6;
+const SLID: f64 = 4e-4;
+/// Particles that will be nearer to the skin than this after a step are looked at again there, m.
+const CLOSE: f64 = 1e-4;
 /// Impacts slower than this are no impacts, m/s: gravity over a step.
 const SLOWEST_IMPACT: f64 = 0.05;
 
 /// What is known of a particle and the skin.
 #[derive(Clone, Copy, Debug)]
 struct Track {
-    /// Of the nearest place, if the particle is near one.
-    triangle: Option<u32>,
-    /// Steps since it was looked for.
+    /// The nearest place, when it was last computed, if the particle is near one.
+    place: Option<Place>,
+    /// Steps since it was looked for everywhere, and since it was computed.
     age: u32,
-    /// How far it and the skin may still move against each other before it can be near, m.
+    carried: u32,
+    /// How far the particle has slid over the skin since it was computed, m.
+    slid: f64,
+    /// How far it and the skin may still move against each other before they can touch, m.
     slack: f64,
+    /// May it be inside after the step?
+    close: bool,
 }
 
 impl Track {
-    const UNKNOWN: Track = Track { triangle: None, age: 0, slack: f64::NEG_INFINITY };
+    const UNKNOWN: Track = Track { place: None, age: 0, carried: 0, slid: 0.0, slack: f64::NEG_INFINITY, close: false };
 }
 
 /// Contact of particles with a moving surface.
@@ -98,7 +108,7 @@ impl Response {
         let met = chunks.map(|((tracks, positions), velocities)| {
             let mut met = Met::default();
             for ((track, &position), velocity) in tracks.iter_mut().zip(positions).zip(velocities) {
-                let Some(place) = track.follow(surface, position, *velocity, step) else { continue };
+                let Some(place) = track.follow(surface, position, *velocity, step, clearance) else { continue };
                 let skin = surface.velocity(&place);
                 let (normal, relative) = (place.normal, *velocity - skin);
                 let approach = relative.dot(&normal);
@@ -111,12 +121,9 @@ impl Response {
                 } else if gap < BAND && restitution == 0.0 {
                     approach * (gap / BAND)
                 } else {
-                    continue;
+                    // It moves as it likes.
+                    f64::NEG_INFINITY
                 };
-                if place.distance < 0.0 {
-                    met.interfering += 1;
-                    met.deepest = met.deepest.max(-place.distance);
-                }
                 if approach < least {
                     let push = least - approach;
                     let along = relative - normal * approach;
@@ -126,6 +133,9 @@ impl Response {
                     let slowed = if speed > 0.0 { along * (1.0 - grip / speed) } else { along };
                     *velocity = skin + slowed + normal * least;
                 }
+                let relative = *velocity - skin;
+                track.slid += (relative - normal * relative.dot(&normal)).norm() * step;
+                track.close = place.distance + relative.dot(&normal) * step < CLOSE;
             }
             met
         });
@@ -139,8 +149,11 @@ impl Response {
         let met = chunks.map(|((tracks, positions), velocities)| {
             let mut met = Met::default();
             for ((track, position), velocity) in tracks.iter().zip(positions).zip(velocities) {
-                let Some(triangle) = track.triangle else { continue };
-                let place = surface.refine(*position, triangle);
+                let Some(place) = track.place.filter(|_| track.close) else { continue };
+                if surface.carried(*position, &place).distance > 0.5 * CLOSE {
+                    continue;
+                }
+                let place = surface.refine(*position, place.triangle);
                 if place.distance < 0.0 {
                     met.interfering += 1;
                     met.deepest = met.deepest.max(-place.distance);
@@ -160,32 +173,41 @@ const ON_TOP: f64 = 1e-5;
 
 impl Track {
     /// The nearest place, if the particle can touch it within the step.
-    fn follow(&mut self, surface: &Surface, position: Vector3, velocity: Vector3, step: f64) -> Option<Place> {
+    fn follow(
+        &mut self,
+        surface: &Surface,
+        position: Vector3,
+        velocity: Vector3,
+        step: f64,
+        clearance: f64,
+    ) -> Option<Place> {
         self.slack -= (velocity.norm() + surface.largest_speed()) * step;
-        let followed = self.triangle.filter(|_| self.age < FOLLOWED);
-        let place = match followed {
-            Some(triangle) => {
-                self.age += 1;
-                surface.refine(position, triangle)
+        self.age += 1;
+        self.carried += 1;
+        self.close = false;
+        if self.slack > 0.0 {
+            return None;
+        }
+        let place = match self.place.filter(|_| self.age <= REMEMBERED) {
+            Some(place) if self.carried <= CARRIED && self.slid < SLID => {
+                return Some(surface.carried(position, &place));
             }
-            None if self.slack > 0.0 => return None,
+            Some(place) => surface.refine(position, place.triangle),
             None => {
                 self.age = 0;
                 match surface.nearest(position, REACH) {
                     Some(place) => place,
                     None => {
-                        (self.triangle, self.slack) = (None, REACH - NEAR);
+                        (self.place, self.slack) = (None, REACH - NEAR);
                         return None;
                     }
                 }
             }
         };
-        if place.distance > NEAR {
-            (self.triangle, self.slack) = (None, place.distance - NEAR);
-            return None;
-        }
-        self.triangle = Some(place.triangle);
-        Some(place)
+        (self.carried, self.slid) = (0, 0.0);
+        self.place = (place.distance < NEAR).then_some(place);
+        self.slack = place.distance - clearance - BAND;
+        (self.slack < (velocity.norm() + surface.largest_speed()) * step).then_some(place)
     }
 }
 

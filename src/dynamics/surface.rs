@@ -134,6 +134,16 @@ impl Surface {
         Some(self.refine(point, triangle))
     }
 
+    /// A place that was computed before, where its triangle has taken it, as a point sees it now. Its normal is kept, and
+    /// the distance is measured along it: good for a few steps.
+    #[inline]
+    pub fn carried(&self, point: Vector3, place: &Place) -> Place {
+        let corners = self.corners(place.triangle);
+        let [a, b, c] = place.weights;
+        let foot = corners[0] * a + corners[1] * b + corners[2] * c;
+        Place { point: foot, distance: (point - foot).dot(&place.normal), ..*place }
+    }
+
     /// The place nearest to a point that a walk from `triangle` to ever nearer neighbours finds.
     pub fn refine(&self, point: Vector3, triangle: u32) -> Place {
         let squared = |t: u32| (self.foot(t, point).1 - point).norm_squared();
