@@ -152,7 +152,10 @@ fn a_motion_is_exported_whole_or_the_frames_that_were_chosen() {
     assert_eq!(status(&bench.export("mdd,pc2", "some", &["--frames", "1..6/2"])), 0);
     let manifest = manifest(&bench.path("some"));
     assert_eq!(manifest["frames"], serde_json::json!({"count": 3, "rate": 12.0}));
-    assert_eq!((&manifest["from"]["motion"]["first_frame"], &manifest["from"]["motion"]["step"]), (&1.into(), &2.into()));
+    assert_eq!(
+        (&manifest["from"]["motion"]["first_frame"], &manifest["from"]["motion"]["step"]),
+        (&1.into(), &2.into())
+    );
     let [_, second, _] = &pc2(&bench.path("some/garment.pc2"))[..] else { panic!("three frames were asked for") };
     assert_eq!(second[0][2], frames[3][0].z as f32);
 
