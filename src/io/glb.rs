@@ -83,12 +83,16 @@ pub fn write_frames(pattern: &Pattern, level: &Level, frames: &mut dyn Frames) -
 
 /// Positions and normals of all frames, and a weight of each frame at each.
 fn check_size(level: &Level, frame_count: usize) -> Result<(), Error> {
-    let bytes = (24 * level.rest.len() as u128 + 4 * frame_count as u128) * frame_count as u128;
-    if frame_count == 1 || bytes <= MOST_BYTES as u128 {
+    let bytes = (24.0 * level.rest.len() as f64 + 4.0 * frame_count as f64) * frame_count as f64;
+    if frame_count == 1 || bytes <= MOST_BYTES as f64 {
         return Ok(());
     }
     Err(Error::new(
-        format!("{frame_count} frames as GLB have {} MiB; up to {} are written.", bytes >> 20, MOST_BYTES >> 20),
+        format!(
+            "{frame_count} frames as GLB have {:.0} MiB; up to {} are written.",
+            bytes / 1048576.0,
+            MOST_BYTES >> 20
+        ),
         "Choose fewer frames with --frames, or export a point cache (pc2, mdd) or usd.",
     ))
 }

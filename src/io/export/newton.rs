@@ -9,8 +9,9 @@
 //! *VBD* and others (`ModelBuilder.add_cloth_mesh`) take the pose that the vertices are in for the rest shape; the script
 //! overwrites it with that of the panels. Their membrane is neo-Hookean and isotropic with the two constants of Lamé in the
 //! plane; `tri_ke` is `μ = E / 2(1 + ν)`, `tri_ka` is `λ = E ν / (1 - ν²)`, both N/m, with `E` the mean of warp and weft.
-//! Their hinges cost `½ k L θ²` each; the quadratic bending energy of theory.md costs `3/2 B L² θ² / (A₀ + A₁)`, which makes
-//! `k = 3 B L / (A₀ + A₁)`, another for each hinge.
+//! Their hinges cost `½ k L θ²` each; the quadratic bending energy of `energy/bending.rs` costs `½ B L² θ² / (A₀ + A₁)`, which
+//! makes `k = B L / (A₀ + A₁)`, another for each hinge. Style3D has the form of Bergou et al. with `3B`, of which a bent mesh
+//! costs three times `B`: it is given a third.
 
 use super::npz::Npz;
 use super::{Isotropic, Source};
@@ -65,7 +66,7 @@ fn particle_radius(source: &Source) -> f64 {
 /// the warp (v) it bends with the rigidity of the weft. At 45° the first two still count by `2⁻⁶` each.
 fn style3d_bending(fabric: &Fabric) -> [f64; 3] {
     let mean = 0.5 * (fabric.bending.warp + fabric.bending.weft);
-    [fabric.bending.weft, fabric.bending.warp, mean * (1.0 - 1.0 / 32.0)]
+    [fabric.bending.weft, fabric.bending.warp, mean * (1.0 - 1.0 / 32.0)].map(|bending| bending / 3.0)
 }
 
 /// A hinge as Newton knows them.
@@ -91,7 +92,7 @@ impl RestHinge {
             (length, signed_area(corners[0], corners[1], corners[2]).abs(), fabric.bending_along(edge.x / length))
         });
         let [length, bending] = [0.5 * (sides[0].0 + sides[1].0), 0.5 * (sides[0].2 + sides[1].2)];
-        Self { particles, length, stiffness: 3.0 * bending * length / (sides[0].1 + sides[1].1) }
+        Self { particles, length, stiffness: bending * length / (sides[0].1 + sides[1].1) }
     }
 }
 
