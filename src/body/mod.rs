@@ -2,13 +2,16 @@
 
 mod distance_field;
 mod dressed;
+mod landmarks;
 pub mod mannequin;
+pub mod section;
 mod skin;
 mod validate;
 mod winding;
 
 pub use distance_field::{DistanceField, STEEPEST, Sample};
 pub use dressed::Enclosure;
+pub use landmarks::{Landmarks, Limb, Part};
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};
 use crate::{Error, Warning};
