@@ -87,15 +87,18 @@ const SMOOTHING: usize = 3;
 const MERGED: f64 = 1.45;
 
 /// Sections square to the centerline of a limb, from the root to the end, near a first guess of it: a path of some
-/// points. `among` are the triangles that may be cut. Sections that are not of the limb alone, at its root, are left out.
+/// points, before which the root lies if it is known. `among` are the triangles that may be cut. Sections that are not of the
+/// limb alone, at its root, are left out.
 pub fn stations(
     positions: &[Vector3],
     triangles: &[[u32; 3]],
     among: &[u32],
+    root: Option<Vector3>,
     guess: &[Vector3],
     spacing: f64,
 ) -> Vec<Station> {
-    let mut path = resampled(guess, spacing);
+    let start: Vec<Vector3> = root.into_iter().chain(guess.iter().copied()).collect();
+    let mut path = resampled(&start, spacing);
     let mut stations = Vec::new();
     for _ in 0..CENTERINGS {
         stations = Vec::with_capacity(path.len());
@@ -123,7 +126,8 @@ pub fn stations(
         if stations.len() < 2 {
             break;
         }
-        path = stations.iter().map(|s| s.center).collect();
+        let middles: Vec<Vector3> = root.into_iter().chain(stations.iter().map(|s| s.center)).collect();
+        path = resampled(&middles, spacing);
     }
     stations
 }

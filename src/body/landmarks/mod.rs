@@ -80,6 +80,9 @@ pub enum Part {
 /// Distance of the sections of limbs, as a part of the height: 14 mm.
 const SPACING: f64 = 1.0 / 125.0;
 
+/// Fewer sections than this are no limb.
+const LEAST_STATIONS: usize = 10;
+
 impl Landmarks {
     /// Finds the landmarks of a body that stands upright and faces +z.
     pub fn find(body: &Body) -> Result<Self, Error> {
@@ -108,27 +111,9 @@ fn find(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Landmarks, Erro
     let leg_members = leg_branches.each_ref().map(|b| members(triangles, &fans, &found.from_crown, b));
     let crotch = at(found.crotch);
 
-    let spacing = SPACING * height;
-    let arm_stations = [0, 1].map(|s| {
-        let guess = centers_by_distance(positions, &found.from_crown, &arm_members[s], &arm_branches[s], height);
-        stations(positions, triangles, &near(positions, triangles, &arm_members[s], height), &guess, spacing)
-    });
-    let leg_stations = [0, 1].map(|s| {
-        let guess = centers_by_height(positions, &leg_members[s], floor, crotch.y, height);
-        stations(positions, triangles, &near(positions, triangles, &leg_members[s], height), &guess, spacing)
-    });
-    for (stations, name) in
-        arm_stations.iter().zip(["left arm", "right arm"]).chain(leg_stations.iter().zip(["left leg", "right leg"]))
-    {
-        if stations.len() < 10 {
-            return Err(Error::new(
-                format!("The {name} cannot be followed from end to end."),
-                "Check that it is one closed tube of the mesh, and that nothing passes through it.",
-            ));
-        }
-    }
-
     let middle = 0.5 * (armpits[0].x + armpits[1].x);
+    let arm_guesses =
+        [0, 1].map(|s| centers_by_distance(positions, &found.from_crown, &arm_members[s], &arm_branches[s], height));
     let torso = torso::find(&torso::Known {
         positions,
         triangles,
@@ -136,10 +121,32 @@ fn find(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Landmarks, Erro
         crown,
         floor,
         armpits,
+        shoulder_sides: [0, 1].map(|s| shoulder_side(armpits[s], &arm_guesses[s])),
         fingertips: arm_branches.each_ref().map(|b| b.tip),
         crotch,
         middle,
     })?;
+
+    let spacing = SPACING * height;
+    let arm_stations = [0, 1].map(|s| {
+        let among = near(positions, triangles, &arm_members[s], height);
+        let joint = (torso.shoulders[s] + armpits[s]) * 0.5;
+        stations(positions, triangles, &among, Some(joint), &arm_guesses[s], spacing)
+    });
+    let leg_stations = [0, 1].map(|s| {
+        let guess = centers_by_height(positions, &leg_members[s], floor, crotch.y, height);
+        stations(positions, triangles, &near(positions, triangles, &leg_members[s], height), None, &guess, spacing)
+    });
+    for (stations, name) in
+        arm_stations.iter().zip(["left arm", "right arm"]).chain(leg_stations.iter().zip(["left leg", "right leg"]))
+    {
+        if stations.len() < LEAST_STATIONS {
+            return Err(Error::new(
+                format!("The {name} cannot be followed from end to end."),
+                "Check that it is one closed tube of the mesh, and that nothing passes through it.",
+            ));
+        }
+    }
 
     let arms: [_; 2] = [0, 1].map(|s| arm(&arm_stations[s], torso.shoulders[s], armpits[s], height));
     let legs: [_; 2] = [0, 1].map(|s| leg(&leg_stations[s], torso.hip, crotch, floor, height));
@@ -184,6 +191,16 @@ fn find(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Landmarks, Erro
     })
 }
 
+/// The x at which a shoulder ends, m. Over the armpit when the arm is level; the more it hangs, the more the armpit lies inside of the
+/// shoulder, by up to the radius of the arm. Half of that agrees with shoulder breadths of surveys (biacromial breadth 0.23 of
+/// the height, C. C. Gordon et al., ANSUR, 1989).
+fn shoulder_side(armpit: Vector3, guess: &[Vector3]) -> f64 {
+    let [first, .., _] = guess else { return armpit.x };
+    let along = (guess[guess.len() / 3] - first).try_normalize(0.0).unwrap_or(Vector3::x());
+    let on_axis = first + along * (armpit - first).dot(&along);
+    0.5 * (armpit.x + on_axis.x)
+}
+
 /// The triangles that a section across a limb may cut: those in its box and a little around it.
 fn near(positions: &[Vector3], triangles: &[[u32; 3]], members: &[bool], height: f64) -> Vec<u32> {
     let inside = || positions.iter().zip(members).filter(|(_, inside)| **inside).map(|(p, _)| p);
@@ -192,7 +209,7 @@ fn near(positions: &[Vector3], triangles: &[[u32; 3]], members: &[bool], height:
     let high = inside().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p)) + margin;
     let within = |v: u32| {
         let p = positions[v as usize];
-        p >= low && p <= high
+        (0..3).all(|k| p[k] >= low[k] && p[k] <= high[k])
     };
     (0..).zip(triangles).filter(|(_, t)| t.iter().all(|&v| within(v))).map(|(k, _)| k).collect()
 }

@@ -15,6 +15,8 @@ pub struct Known<'a> {
     /// m.
     pub floor: f64,
     pub armpits: [Vector3; 2],
+    /// x at which the shoulders end, m.
+    pub shoulder_sides: [f64; 2],
     /// Vertices.
     pub fingertips: [u32; 2],
     pub crotch: Vector3,
@@ -65,7 +67,7 @@ pub fn find(known: &Known) -> Result<Torso, Error> {
         ));
     };
     let below: Vec<&Level> = upper.iter().rev().filter(|l| l.y <= neck.y).collect();
-    let sides = [0, 1].map(|s| shoulder_line(&below, s, known.armpits[s], neck));
+    let sides = [0, 1].map(|s| shoulder_line(&below, s, known.shoulder_sides[s], neck));
     let [Some((left_side, left_shoulder)), Some((right_side, right_shoulder))] = sides else {
         return Err(Error::new(
             "The shoulders cannot be found between the neck and the armpits.",
@@ -76,18 +78,20 @@ pub fn find(known: &Known) -> Result<Torso, Error> {
     let arm_members = [0, 1].map(|s| beyond(known, s, shoulders[s]));
     let is_arm: Vec<bool> = (0..known.positions.len()).map(|v| arm_members[0][v] || arm_members[1][v]).collect();
     let all = levels(known.positions, known.triangles, &is_arm, known.middle, heights(known.crotch.y, known.crown.y));
-    let (neck_front, neck_back) = neck_base(&all, neck.y, known.middle, height);
+    let base = 0.5 * (left_side.y + right_side.y);
+    let (neck_front, neck_back) = neck_base(&all, neck.y, base, known.middle, height);
     let chin = chin(&all, neck.y, known.middle, height);
 
     let trunk: Vec<&Level> = all.iter().filter(|l| l.y < armpit + 0.02 * height).collect();
     let between = |low: f64, high: f64| trunk.iter().filter(move |l| l.y >= low && l.y <= high);
     let bust = bust(&trunk, part(BUST[0]), armpit).unwrap_or(part(BUST_USUAL));
     let waist = least(between(part(WAIST[0]), part(WAIST[1]).min(bust - 0.03 * height))).unwrap_or(part(WAIST_USUAL));
-    let hip = between(known.crotch.y, waist).max_by(|a, b| a.tape.total_cmp(&b.tape)).map_or(known.crotch.y, |l| l.y);
+    let rearmost = |l: &Level| l.hull.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+    let seat = between(known.crotch.y, waist).min_by(|a, b| rearmost(a).total_cmp(&rearmost(b)));
+    let hip = seat.map_or(known.crotch.y, |l| l.y);
     let underbust = underbust(&trunk, bust, waist, height);
 
     let mut limb = Limb::default();
-    let base = 0.5 * (left_side.y + right_side.y);
     let coarse = 4;
     for level in all.iter().filter(|l| l.y <= base).step_by(coarse) {
         limb.push(level.center, level.hull.clone());
@@ -113,9 +117,9 @@ pub fn find(known: &Known) -> Result<Torso, Error> {
     })
 }
 
-/// Where the shoulder line begins, in the corner between neck and shoulder, and where it ends, over the armpit: on the
-/// silhouette from the front, from the neck down.
-fn shoulder_line(below: &[&Level], side: usize, armpit: Vector3, neck: &Level) -> Option<(Vector3, Vector3)> {
+/// Where the shoulder line begins, in the corner between neck and shoulder, and where it ends, at `end`: on the silhouette
+/// from the front, from the neck down.
+fn shoulder_line(below: &[&Level], side: usize, end: f64, neck: &Level) -> Option<(Vector3, Vector3)> {
     let sign = if side == 0 { 1.0 } else { -1.0 };
     let outermost = |l: &Level| {
         let most = l.hull.iter().map(|p| sign * p.x).fold(f64::NEG_INFINITY, f64::max);
@@ -126,11 +130,11 @@ fn shoulder_line(below: &[&Level], side: usize, armpit: Vector3, neck: &Level) -
     let mut line: Vec<Vector3> = Vec::new();
     for level in below {
         let point = outermost(level);
-        let reach = sign * (armpit.x - neck.center.x);
+        let reach = sign * (end - neck.center.x);
         if sign * (point.x - neck.center.x) >= reach {
-            // Between this level and the one before, where the silhouette is over the armpit.
+            // Between this level and the one before, where the silhouette reaches the end.
             let before = *line.last()?;
-            let t = (armpit.x - before.x) / (point.x - before.x);
+            let t = (end - before.x) / (point.x - before.x);
             line.push(before.lerp(&point, t));
             let k = corner(&line, Vector3::new(-sign, -1.0, 0.0))?;
             return Some((line[k], line[line.len() - 1]));
@@ -168,30 +172,31 @@ fn beyond(known: &Known, side: usize, shoulder: Vector3) -> Vec<bool> {
 /// How far below the thinnest part of the neck its base is looked for, as a part of the height.
 const NECK_BASE: f64 = 0.075;
 
-/// The pit of the throat and the point over the seventh vertebra, on the middle plane.
-fn neck_base(all: &[Level], neck: f64, middle: f64, height: f64) -> (Vector3, Vector3) {
-    let line = |which: usize| -> Vec<Vector3> {
-        let near = all.iter().rev().filter(|l| l.y <= neck && l.y >= neck - NECK_BASE * height);
-        near.filter_map(|l| l.depth.map(|d| Vector3::new(middle, l.y, d[which]))).collect()
-    };
-    let (front, back) = (line(0), line(1));
+/// The pit of the throat, and the point over the seventh vertebra, on the middle plane. The vertebra does not show on a smooth
+/// mesh: it is taken at the height of the side neck points, where it is within a centimetre on people.
+fn neck_base(all: &[Level], neck: f64, sides: f64, middle: f64, height: f64) -> (Vector3, Vector3) {
+    let near = all.iter().rev().filter(|l| l.y <= neck && l.y >= neck - NECK_BASE * height);
+    let front: Vec<Vector3> = near.filter_map(|l| l.depth.map(|d| Vector3::new(middle, l.y, d[0]))).collect();
     let fallback = Vector3::new(middle, neck, 0.0);
-    let at = |line: &[Vector3], towards: Vector3| corner(line, towards).map_or(fallback, |k| line[k]);
-    (at(&front, Vector3::new(0.0, -1.0, -1.0)), at(&back, Vector3::new(0.0, -1.0, 1.0)))
+    let pit = corner(&front, Vector3::new(0.0, -1.0, -1.0)).map_or(fallback, |k| front[k]);
+    let level = all.iter().min_by(|a, b| (a.y - sides).abs().total_cmp(&(b.y - sides).abs()));
+    let nape = level.map_or(fallback, |l| Vector3::new(middle, l.y, l.depth.map_or(l.center.z, |d| d[1])));
+    (pit, nape)
 }
 
-/// The lowest place above the throat where the face stands out.
+/// How far above the thinnest part of the neck the face reaches to the nose, as a part of the height.
+const FACE: f64 = 0.09;
+/// A chin stands out by more than this, as a part of the height.
+const LEAST_CHIN: f64 = 0.01;
+
+/// The corner between throat and face.
 fn chin(all: &[Level], neck: f64, middle: f64, height: f64) -> Option<Vector3> {
-    let face: Vec<Vector3> = all
-        .iter()
-        .filter(|l| l.y >= neck - 0.02 * height && l.y <= neck + 0.12 * height)
-        .filter_map(|l| l.depth.map(|d| Vector3::new(middle, l.y, d[0])))
-        .collect();
-    let peak = (1..face.len().saturating_sub(1)).find(|&k| {
-        let least = face[..k].iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-        face[k].z >= face[k - 1].z && face[k].z > face[k + 1].z && face[k].z > least + 0.008 * height
-    });
-    peak.map(|k| face[k])
+    let near = all.iter().filter(|l| l.y >= neck - 0.02 * height && l.y <= neck + FACE * height);
+    let face: Vec<Vector3> = near.filter_map(|l| l.depth.map(|d| Vector3::new(middle, l.y, d[0]))).collect();
+    let nose = (0..face.len()).max_by(|&a, &b| face[a].z.total_cmp(&face[b].z))?;
+    let towards = Vector3::new(0.0, -1.0, 1.0);
+    let k = corner(&face[..=nose], towards)?;
+    (face[k].z > face[0].z + LEAST_CHIN * height).then_some(face[k])
 }
 
 /// Where the bust is looked for, and where it is if nothing stands out, as parts of the height.
