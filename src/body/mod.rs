@@ -1,5 +1,6 @@
 //! The body: the closed surface to dress, and how far a point is from it.
 
+mod alignment;
 mod distance_field;
 mod dressed;
 mod landmarks;
@@ -9,6 +10,7 @@ mod skin;
 mod validate;
 mod winding;
 
+pub use alignment::Alignment;
 pub use distance_field::{DistanceField, STEEPEST, Sample};
 pub use dressed::Enclosure;
 pub use landmarks::{Landmarks, Limb, Part};

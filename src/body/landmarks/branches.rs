@@ -37,12 +37,33 @@ pub struct Limbs {
 const LEAST_BRANCH: f64 = 0.12;
 /// An arm from armpit to fingertips, as a part of the height, is at least this long; 0.38 is usual.
 const LEAST_ARM: f64 = 0.2;
-/// Where legs end, as a part of the height.
-const FEET: f64 = 0.15;
-/// Where legs begin, as a part of the height; 0.47 is usual (NASA-STD-3000, crotch height).
+/// Legs end below this part of the height, even where one is lifted; hanging hands end at 0.38.
+const FEET: f64 = 0.3;
+/// Where legs begin, as a part of the height; usual is 0.47 (NASA-STD-3000, crotch height).
+const USUAL_CROTCH: f64 = 0.47;
 const CROTCH: std::ops::RangeInclusive<f64> = 0.30..=0.62;
-/// Where arms begin, as a part of the height; 0.75 is usual.
+/// Where arms begin, as a part of the height.
+const USUAL_ARMPIT: f64 = 0.75;
 const ARMPIT: std::ops::RangeInclusive<f64> = 0.58..=0.90;
+
+impl Limbs {
+    /// How unlike a person the limbs are arranged: zero for one with usual proportions whose sides are alike.
+    pub fn oddity(&self, positions: &[Vector3], up: Vector3) -> f64 {
+        let height_of = |v: u32| positions[v as usize].dot(&up);
+        let toe = height_of(self.legs[0].tip).min(height_of(self.legs[1].tip));
+        let height = height_of(self.crown) - toe;
+        let level = |v: u32| (height_of(v) - toe) / height;
+        let unlike = |[a, b]: &[Branch; 2]| (a.length - b.length).abs() / height;
+        let [one, other] = [level(self.arms[0].saddle), level(self.arms[1].saddle)];
+        // The oldest branch is measured from the crown, and not comparable.
+        (level(self.crotch) - USUAL_CROTCH).abs()
+            + (one - USUAL_ARMPIT).abs()
+            + (other - USUAL_ARMPIT).abs()
+            + (one - other).abs()
+            + unlike(&self.arms)
+            + (level(self.legs[0].tip) - level(self.legs[1].tip)).abs()
+    }
+}
 
 /// The limbs of a mesh that stands along the unit vector `up`; sides are in no order.
 pub fn limbs(positions: &[Vector3], triangles: &[[u32; 3]], fans: &Fans, up: Vector3) -> Result<Limbs, Error> {

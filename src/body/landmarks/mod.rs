@@ -19,8 +19,9 @@ pub use limb::Limb;
 use super::Body;
 use crate::Error;
 use crate::geometry::Vector3;
-use branches::{Branch, limbs, members};
-use geodesic::Fans;
+use branches::Branch;
+pub(super) use branches::{Limbs, limbs, members};
+pub(super) use geodesic::Fans;
 use limb::{Station, stations};
 
 /// Points and heights on a body, m, world. Of pairs the first is the body's left, at +x, the second its right.
