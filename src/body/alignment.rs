@@ -11,6 +11,7 @@
 //! What is nearly right is left as it is: somebody has put the body there.
 
 use super::landmarks::{Fans, Limbs, limbs, members};
+use super::validate::check_numbers;
 use crate::Error;
 use crate::geometry::Vector3;
 use nalgebra::{Matrix3, Matrix4};
@@ -41,6 +42,9 @@ const ANYBODY: std::ops::RangeInclusive<f64> = 0.45..=2.6;
 const STRAIGHT: f64 = 0.0436;
 /// A body that is no farther from its place stands as its author wanted, m.
 const IN_PLACE: f64 = 0.05;
+/// A body that is turned by more, as a cosine (25 degrees), or is farther away, m, is in nobody's place.
+const FAR_TURN: f64 = 0.906;
+const FAR_AWAY: f64 = 0.15;
 /// Pairs that differ from the armpits' direction by more are not held symmetrically, rad: 12 degrees.
 const SYMMETRIC: f64 = 0.21;
 /// Feet reach at least so much farther to the front than behind, as a part of the height.
@@ -58,6 +62,7 @@ const AXES: [(&str, Vector3); 6] = [
 impl Alignment {
     /// Recognizes how the mesh of a person stands; the mesh must be closed, in any unit.
     pub fn recognize(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Self, Error> {
+        check_numbers(positions, triangles)?;
         let fans = Fans::new(positions.len(), triangles);
         let (up, found) = standing(positions, triangles, &fans)?;
         let (up_name, up) = AXES[up];
@@ -85,9 +90,21 @@ impl Alignment {
         self.scale == 1.0 && self.rotation == Matrix3::identity() && self.translation == Vector3::zeros()
     }
 
+    /// Does the body stand so far from how it should that a pattern made for our frame cannot fit? What a pose or another
+    /// origin explains is not far.
+    pub fn is_far(&self) -> bool {
+        let turned = self.rotation.column(2).z < FAR_TURN || self.rotation.column(1).y < FAR_TURN;
+        self.scale != 1.0 || turned || self.translation.x.hypot(self.translation.z) > FAR_AWAY
+    }
+
     /// A point of the file in our frame, m.
     pub fn apply(&self, point: Vector3) -> Vector3 {
         self.rotation * (point * self.scale) + self.translation
+    }
+
+    /// Where the body stands in its file, in our axes: the point below the crotch on its floor, m; zero if that is in place.
+    pub fn away(&self) -> [f64; 3] {
+        (-self.translation).map(|c| c + 0.0).into()
     }
 
     /// The same as a matrix, row by row, that takes points of the file to ours.

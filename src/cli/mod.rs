@@ -2,6 +2,7 @@
 //! files, words and exit statuses. `docs/guide.md` is its manual.
 
 mod arguments;
+mod body;
 mod check;
 mod compare;
 mod complaint;
@@ -84,5 +85,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Fit(fit) => fit::run(fit),
         Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
+        Command::Body(body) => body::run(body),
     }
 }

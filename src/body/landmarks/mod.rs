@@ -23,6 +23,7 @@ use branches::Branch;
 pub(super) use branches::{Limbs, limbs, members};
 pub(super) use geodesic::Fans;
 use limb::{Station, stations};
+use std::f64::consts::TAU;
 
 /// Points and heights on a body, m, world. Of pairs the first is the body's left, at +x, the second its right.
 #[derive(Clone, Debug)]
@@ -88,6 +89,67 @@ impl Landmarks {
     /// Finds the landmarks of a body that stands upright and faces +z.
     pub fn find(body: &Body) -> Result<Self, Error> {
         find(body.positions(), body.triangles())
+    }
+
+    /// All points by name, m, world; pairs left first.
+    pub fn points(&self) -> Vec<(&'static str, Vec<Vector3>)> {
+        vec![
+            ("crown", vec![self.crown]),
+            ("chin", self.chin.into_iter().collect()),
+            ("neck front", vec![self.neck_front]),
+            ("neck back", vec![self.neck_back]),
+            ("neck sides", self.neck_sides.into()),
+            ("shoulders", self.shoulders.into()),
+            ("armpits", self.armpits.into()),
+            ("elbows", self.elbows.into()),
+            ("wrists", self.wrists.into()),
+            ("fingertips", self.fingertips.into()),
+            ("crotch", vec![self.crotch]),
+            ("knees", self.knees.into()),
+            ("ankles", self.ankles.into()),
+            ("toes", self.toes.into()),
+        ]
+    }
+
+    /// All heights by name, y, m.
+    pub fn heights(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("neck", self.neck),
+            ("bust", self.bust),
+            ("underbust", self.underbust),
+            ("waist", self.waist),
+            ("hip", self.hip),
+            ("crotch", self.crotch.y),
+        ]
+    }
+
+    /// Girths of a taut tape by name, m; of limbs the mean of both sides.
+    pub fn girths(&self) -> Vec<(&'static str, f64)> {
+        let torso = |y: f64| {
+            let axis = self.torso.axis.iter().zip(&self.torso.radii);
+            let nearest = axis.min_by(|a, b| (a.0.y - y).abs().total_cmp(&(b.0.y - y).abs()));
+            nearest.map_or(0.0, |(_, radius)| TAU * radius)
+        };
+        let both = |limbs: &[Limb; 2], points: [Vector3; 2]| {
+            let radius = |s: usize| limbs[s].at(limbs[s].length_of(points[s])).2;
+            TAU * 0.5 * (radius(0) + radius(1))
+        };
+        let between = |a: [Vector3; 2], b: [Vector3; 2], t: f64| [0, 1].map(|s| a[s].lerp(&b[s], t));
+        let crotches = self.legs.each_ref().map(|leg| leg.at(leg.length_of(self.crotch)).0);
+        vec![
+            ("neck", self.neck_column.radii.last().map_or(0.0, |radius| TAU * radius)),
+            ("bust", torso(self.bust)),
+            ("underbust", torso(self.underbust)),
+            ("waist", torso(self.waist)),
+            ("hip", torso(self.hip)),
+            // Halfway, and a hand's breadth below the crotch, as usual.
+            ("upper arm", both(&self.arms, between(self.armpits, self.elbows, 0.5))),
+            ("elbow", both(&self.arms, self.elbows)),
+            ("wrist", both(&self.arms, self.wrists)),
+            ("thigh", both(&self.legs, between(crotches, self.knees, 0.2))),
+            ("knee", both(&self.legs, self.knees)),
+            ("ankle", both(&self.legs, self.ankles)),
+        ]
     }
 
     /// Floor to crown, m.
@@ -269,7 +331,7 @@ fn arm(stations: &[Station], shoulder: Vector3, armpit: Vector3, height: f64) ->
     let mut limb = Limb::default();
     let across = (shoulder - armpit) * 0.5;
     let depth = Vector3::z() * across.norm();
-    let around = (0..16).map(|k| (f64::from(k) * std::f64::consts::TAU / 16.0).sin_cos());
+    let around = (0..16).map(|k| (f64::from(k) * TAU / 16.0).sin_cos());
     limb.push(joint, around.map(|(sin, cos)| joint + across * cos + depth * sin).collect());
     let out = (armpit - joint).cross(&Vector3::z());
     let out = if out.dot(&(stations[wrist].center - joint)) < 0.0 { -out } else { out };
@@ -287,6 +349,9 @@ const ANKLE: [f64; 2] = [0.035, 0.11];
 /// Height of the kneecap's middle as a part of the height (Drillis and Contini: 0.285).
 const KNEE: f64 = 0.285;
 
+/// No hip joint is farther above the first section below the crotch, as a part of the height.
+const LONGEST_RISE: f64 = 0.09;
+
 /// The leg from its joint to the ankle; knee and ankle.
 fn leg(stations: &[Station], hip: f64, crotch: Vector3, floor: f64, height: f64) -> (Limb, Vector3, Vector3) {
     let level = |k: usize| (stations[k].center.y - floor) / height;
@@ -297,8 +362,8 @@ fn leg(stations: &[Station], hip: f64, crotch: Vector3, floor: f64, height: f64)
     let below = stations.iter().position(|s| s.center.y < crotch.y).unwrap_or(0);
     let top = &stations[below];
     // The thigh goes on in its direction up to the height of the hips, where the joint is.
-    let rise = (hip - top.center.y).max(0.0);
-    let joint = top.center - top.direction * (rise / top.direction.y.abs().max(0.5));
+    let rise = (hip - top.center.y).max(0.0) / top.direction.y.abs().max(0.5);
+    let joint = top.center - top.direction * rise.min(LONGEST_RISE * height);
     limb.push(joint, top.outline.iter().map(|p| p + (joint - top.center)).collect());
     for station in &stations[below..=ankle.max(below)] {
         limb.push(station.center, station.outline.clone());

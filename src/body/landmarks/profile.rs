@@ -14,9 +14,7 @@ pub struct Level {
     pub tape: f64,
     /// Foremost and rearmost z on the middle plane, m; none where the plane of symmetry is not met.
     pub depth: Option<[f64; 2]>,
-    /// Largest and smallest x, m.
-    pub sides: [f64; 2],
-    /// Foremost z of the left and the right half, and where it is, m.
+    /// The foremost point, m, world.
     pub foremost: Vector3,
     pub center: Vector3,
 }
@@ -65,14 +63,10 @@ pub fn levels(
             [most, crossings.iter().copied().fold(f64::INFINITY, f64::min)]
         });
         let hull = hull(&points, Vector3::y());
-        let sides = [
-            hull.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max),
-            hull.iter().map(|p| p.x).fold(f64::INFINITY, f64::min),
-        ];
         let foremost = hull.iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).expect("there are points");
         let tape = tape(&hull, Vector3::y());
         let center = middle_of(&hull, y);
-        levels.push(Level { y, hull, tape, depth, sides, foremost, center });
+        levels.push(Level { y, hull, tape, depth, foremost, center });
     }
     levels
 }
