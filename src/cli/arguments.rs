@@ -179,6 +179,9 @@ pub struct Body {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    /// Draw the body with its landmarks and sections
+    #[arg(long, value_name = "PNG")]
+    pub picture: Option<PathBuf>,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,6 +6,8 @@ use super::{Failure, Status};
 use crate::Error;
 use crate::body::{Alignment, Landmarks};
 use crate::geometry::Vector3;
+use crate::io::atomic;
+use crate::io::picture::{BodyView, Marks, measured};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -14,6 +16,9 @@ pub fn run(asked: &Body) -> Result<Status, Failure> {
     let input = BodyInput::open(&asked.body, Align::Auto)?;
     let alignment = input.alignment.as_ref().expect("it was asked for");
     let landmarks = Landmarks::find(&input.body).map_err(|e| e.within(asked.body.display()))?;
+    if let Some(file) = &asked.picture {
+        atomic::write(file, &picture(&input, &landmarks))?;
+    }
     let told = if asked.json { json(&input, alignment, &landmarks) } else { words(&input, alignment, &landmarks) };
     match std::io::stdout().lock().write_all(told.as_bytes()) {
         // Whoever closed the pipe has read enough.
@@ -23,6 +28,23 @@ pub fn run(asked: &Body) -> Result<Status, Failure> {
         }
         _ => Ok(Status::Fine),
     }
+}
+
+/// The body with every third section of its limbs, its named girths and its points.
+fn picture(input: &BodyInput, landmarks: &Landmarks) -> Vec<u8> {
+    let limbs = landmarks.arms.iter().chain(&landmarks.legs);
+    let mut marks = Marks::default();
+    // The first section of a limb is its joint, inside the body.
+    limbs.for_each(|limb| marks.sections.extend(limb.outlines.iter().skip(1).step_by(3).cloned()));
+    let levels = landmarks.torso.axis.iter().zip(&landmarks.torso.outlines);
+    for y in [landmarks.bust, landmarks.underbust, landmarks.waist, landmarks.hip] {
+        let nearest = levels.clone().min_by(|a, b| (a.0.y - y).abs().total_cmp(&(b.0.y - y).abs()));
+        marks.girths.extend(nearest.map(|(_, outline)| outline.clone()));
+    }
+    marks.girths.extend(landmarks.neck_column.outlines.last().cloned());
+    marks.points = landmarks.points().into_iter().flat_map(|(_, points)| points).collect();
+    let skin = BodyView { positions: bytemuck::cast_slice(input.body.positions()), triangles: input.body.triangles() };
+    measured(&marks, &skin)
 }
 
 fn words(input: &BodyInput, alignment: &Alignment, landmarks: &Landmarks) -> String {

@@ -2,6 +2,7 @@
 //!
 //! * [`preview()`]: garment and body from three sides;
 //! * [`strain()`]: the stretch in colors, with a scale;
+//! * [`measured()`]: a body with what was measured on it;
 //! * [`convergence()`]: energy and residual against evaluations, as SVG;
 //! * [`rivals()`]: several runs against evaluations and seconds, as SVG;
 //! * [`render()`]: any [`Scene`] of [`Surface`]s in a [`View`], for everything else.
@@ -35,6 +36,7 @@ mod depth_map;
 mod diverging;
 mod image;
 mod key_light;
+mod measured;
 mod preview;
 mod raster;
 mod render;
@@ -52,6 +54,7 @@ pub use color::{Color, color_from_srgb};
 pub use convergence::{Curve, CurvePoint, convergence};
 pub use crossings::crossings;
 pub use image::{Image, MAX_SIDE};
+pub use measured::{Marks, measured};
 pub use preview::preview;
 pub use render::render;
 pub use rivals::{Rival, RivalChart, RivalPoint, rivals};
