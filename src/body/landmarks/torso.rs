@@ -43,6 +43,8 @@ pub struct Torso {
 
 /// Distance of level sections, as a part of the height: 4 mm.
 const STEP: f64 = 1.0 / 400.0;
+/// Every second of them is kept for the limb.
+const COARSER: usize = 2;
 /// The neck is looked for below this part of the height, where the head is widest or below that.
 const HEAD: f64 = 0.95;
 
@@ -92,8 +94,7 @@ pub fn find(known: &Known) -> Result<Torso, Error> {
     let underbust = underbust(&trunk, bust, waist, height);
 
     let mut limb = Limb::default();
-    let coarse = 4;
-    for level in all.iter().filter(|l| l.y <= base).step_by(coarse) {
+    for level in all.iter().filter(|l| l.y <= base).step_by(COARSER) {
         limb.push(level.center, level.hull.clone());
     }
     let mut neck_column = Limb::default();
