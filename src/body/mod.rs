@@ -1,15 +1,20 @@
 //! The body: the closed surface to dress, and how far a point is from it.
 
+mod alignment;
 mod distance_field;
 mod dressed;
+mod landmarks;
 pub mod mannequin;
 pub mod motion;
+pub mod section;
 mod skin;
 mod validate;
 mod winding;
 
+pub use alignment::Alignment;
 pub use distance_field::{DistanceField, STEEPEST, Sample};
 pub use dressed::Enclosure;
+pub use landmarks::{Landmarks, Limb, Part};
 pub use motion::Motion;
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};

@@ -14,6 +14,27 @@ const MOST_LISTED: usize = 3;
 
 /// The first fault that keeps a mesh from being dressed; else what is doubtful about it.
 pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
+    check_numbers(positions, triangles)?;
+    check_size(positions)?;
+    check_closed(triangles)?;
+    let volume = volume(positions, triangles);
+    if volume.abs() < LEAST_VOLUME {
+        return Err(Error::new(
+            "The body encloses no volume.",
+            "Give a closed mesh of the whole body; a flat sheet cannot be dressed.",
+        ));
+    }
+    if volume < 0.0 {
+        return Err(Error::new(
+            "The body is inside out: its triangles face inwards.",
+            "Flip the normals of the mesh in the program that made it, and export it again.",
+        ));
+    }
+    check_upright(positions, triangles)
+}
+
+/// Are there triangles, and are all their corners points in space?
+pub fn check_numbers(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<(), Error> {
     if positions.is_empty() || triangles.is_empty() {
         return Err(Error::new(
             "The body has no triangles.",
@@ -43,22 +64,7 @@ pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<War
             ));
         }
     }
-    check_size(positions)?;
-    check_closed(triangles)?;
-    let volume = volume(positions, triangles);
-    if volume.abs() < LEAST_VOLUME {
-        return Err(Error::new(
-            "The body encloses no volume.",
-            "Give a closed mesh of the whole body; a flat sheet cannot be dressed.",
-        ));
-    }
-    if volume < 0.0 {
-        return Err(Error::new(
-            "The body is inside out: its triangles face inwards.",
-            "Flip the normals of the mesh in the program that made it, and export it again.",
-        ));
-    }
-    check_upright(positions, triangles)
+    Ok(())
 }
 
 fn extent(positions: &[Vector3]) -> (Vector3, Vector3) {

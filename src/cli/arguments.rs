@@ -32,6 +32,8 @@ pub enum Command {
     Export(Export),
     /// Move fitted garments along with a moving body, by explicit dynamics from where the fit ended
     Simulate(Simulate),
+    /// Tell what is recognized in a body: unit, position, landmarks and girths
+    Body(Body),
 }
 
 #[derive(Args, Debug)]
@@ -60,6 +62,9 @@ pub struct Fit {
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: PathBuf,
+    /// Recognize the body's unit, up axis, facing and place, and bring it into metres, y up, facing +z, over the origin
+    #[arg(long, value_enum, default_value_t = Align::None)]
+    pub align: Align,
     /// Garment that the body wears already: the folder of an earlier fit, or its state.toile; may be given several
     /// times, the innermost first
     #[arg(long, value_name = "DIR")]
@@ -79,6 +84,9 @@ pub struct Compare {
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ", required_unless_present = "replot")]
     pub body: Option<PathBuf>,
+    /// Recognize the body's unit, up axis, facing and place, and bring it into metres, y up, facing +z, over the origin
+    #[arg(long, value_enum, default_value_t = Align::None)]
+    pub align: Align,
     /// Folder for table, curves and pictures, made if it is not there
     #[arg(long, value_name = "DIR", required_unless_present = "replot")]
     pub out: Option<PathBuf>,
@@ -120,6 +128,9 @@ pub struct Check {
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: Option<PathBuf>,
+    /// Recognize the body's unit, up axis, facing and place, and bring it into metres, y up, facing +z, over the origin
+    #[arg(long, value_enum, default_value_t = Align::None)]
+    pub align: Align,
     /// Resolution at which the pattern will be fitted [default: "10 mm"]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "levels")]
     pub resolution: Option<String>,
@@ -249,6 +260,26 @@ pub struct Simulate {
     /// What to tell on the way, on the standard error stream
     #[arg(long, value_enum, default_value_t = Progress::Auto)]
     pub progress: Progress,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Align {
+    /// By what is recognized in the body
+    Auto,
+    /// The body is taken as it is
+    None,
+}
+
+#[derive(Args, Debug)]
+pub struct Body {
+    /// Closed triangle mesh of a person, an OBJ file in any unit and position
+    pub body: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Draw the body with its landmarks and sections
+    #[arg(long, value_name = "PNG")]
+    pub picture: Option<PathBuf>,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

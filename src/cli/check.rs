@@ -30,7 +30,7 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
         let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
         built.map(|garment| (input, garment))
     }));
-    let body = match asked.body.as_deref().map(BodyInput::open).transpose() {
+    let body = match asked.body.as_deref().map(|path| BodyInput::open(path, asked.align)).transpose() {
         Ok(body) => body,
         Err(e) => {
             errors.push(e);
@@ -76,6 +76,9 @@ fn findings(input: &PatternInput, garment: &Garment, body: Option<&BodyInput>) -
             body.body.triangles().len(),
             high.y - low.y
         );
+        if let Some(alignment) = &body.alignment {
+            let _ = writeln!(text, "  aligned: it is {}", alignment.describe());
+        }
         doubts.extend(standing(pattern, garment, body));
     }
     let verdict = match doubts.len() {

@@ -42,10 +42,13 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
     };
     let threads = start_threads(asked.solving.threads()?);
     let pattern = PatternInput::open(pattern)?;
-    let body = BodyInput::open(body)?;
+    let body = BodyInput::open(body, asked.align)?;
     let fabric = fabric(asked.solving.fabric.as_deref())?;
     // Better to know now than after the work that the results cannot be written.
     results::prepare(out)?;
+    if let Some(alignment) = &body.alignment {
+        eprintln!("body {} aligned: it is {}", body.name, alignment.describe());
+    }
     let warnings: Vec<_> = pattern.warnings.iter().chain(&body.warnings).collect();
     tell(&warnings, asked.solving.progress == Progress::None);
 

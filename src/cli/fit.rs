@@ -20,7 +20,7 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
     let patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
-    let mut body = BodyInput::open(&asked.body)?;
+    let mut body = BodyInput::open(&asked.body, asked.align)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)
 }
@@ -39,6 +39,10 @@ pub fn fit(
     // Better to know now than after the work that the results cannot be written.
     folders.iter().try_for_each(|folder| results::prepare(folder))?;
     let silent = solving.progress == Progress::None;
+    if let Some(alignment) = &body.alignment {
+        // Never silently: where the results are depends on it.
+        eprintln!("body {} aligned: it is {}", body.name, alignment.describe());
+    }
     let told: Vec<Vec<String>> = patterns
         .iter()
         .zip(0..)

@@ -1,9 +1,10 @@
 //! What a command is given, read and checked.
 
-use super::arguments::Solving;
+use super::arguments::{Align, Solving};
 use super::stopwatch::Moment;
 use super::{Failure, complaint};
-use crate::body::Body;
+use crate::body::{Alignment, Body};
+use crate::geometry::Vector3;
 use crate::io::report::Stage;
 use crate::io::{body_obj, fabric_toml, garmentcode, read, state};
 use crate::pattern::{Fabric, Pattern};
@@ -41,6 +42,9 @@ pub struct BodyInput {
     pub warnings: Vec<Warning>,
     /// What it took to make the body of its mesh.
     pub stage: Stage,
+    /// How it was brought into our frame, if that was asked for, and the mesh there as an OBJ file.
+    pub alignment: Option<Alignment>,
+    pub aligned_obj: Option<String>,
     /// What it wears, innermost first.
     pub worn: Vec<WornInput>,
 }
@@ -55,17 +59,44 @@ pub struct WornInput {
 
 impl BodyInput {
     /// Reads a body file.
-    pub fn open(path: &Path) -> Result<Self, Error> {
-        Self::parse(&read::bytes(path)?, &name_of(path)).map_err(|e| e.within(path.display()))
+    pub fn open(path: &Path, align: Align) -> Result<Self, Error> {
+        let read = || {
+            let bytes = read::bytes(path)?;
+            match align {
+                Align::Auto => Self::aligned(&bytes, &name_of(path)),
+                Align::None => {
+                    let mut input = Self::parse(&bytes, &name_of(path)).map_err(|e| with_alignment(e, &bytes))?;
+                    input.warnings.extend(misplaced(&input.body));
+                    Ok(input)
+                }
+            }
+        };
+        read().map_err(|e: Error| e.within(path.display()))
     }
 
     pub fn parse(bytes: &[u8], name: &str) -> Result<Self, Error> {
         let (positions, triangles) = body_obj::mesh(bytes)?;
+        Self::of_mesh(bytes, name, positions, triangles)
+    }
+
+    /// The same, brought into our frame first.
+    fn aligned(bytes: &[u8], name: &str) -> Result<Self, Error> {
+        let (mut positions, triangles) = body_obj::mesh(bytes)?;
+        let alignment = Alignment::recognize(&positions, &triangles)?;
+        positions.iter_mut().for_each(|p| *p = alignment.apply(*p));
+        let obj = body_obj::write(&positions, &triangles);
+        let mut input = Self::of_mesh(bytes, name, positions, triangles)?;
+        (input.alignment, input.aligned_obj) = (Some(alignment), Some(obj));
+        Ok(input)
+    }
+
+    fn of_mesh(bytes: &[u8], name: &str, positions: Vec<Vector3>, triangles: Vec<[u32; 3]>) -> Result<Self, Error> {
         let start = Moment::now();
         let (body, warnings) = Body::new(positions, triangles)?;
         let stage = start.stage("body");
         let sha256 = read::sha256_hex(bytes);
-        Ok(Self { body, name: name.to_owned(), sha256, warnings, stage, worn: Vec::new() })
+        let (alignment, aligned_obj) = (None, None);
+        Ok(Self { body, name: name.to_owned(), sha256, warnings, stage, alignment, aligned_obj, worn: Vec::new() })
     }
 
     /// Puts on a garment that was fitted before: the folder of its results, or its state.
@@ -90,6 +121,38 @@ impl BodyInput {
         self.worn.push(WornInput { name: state.pattern_name, sha256, thickness: state.fabric.thickness });
         Ok(())
     }
+}
+
+/// The same error; with the way out, if it is only that the body lies otherwise.
+fn with_alignment(error: Error, bytes: &[u8]) -> Error {
+    let recognized =
+        body_obj::mesh(bytes).and_then(|(positions, triangles)| Alignment::recognize(&positions, &triangles));
+    match recognized {
+        Ok(alignment) if !alignment.is_identity() => Error::new(
+            error.problem(),
+            format!(
+                "{} Or give --align auto, which takes it as {}, {} up, facing {}.",
+                error.remedy(),
+                alignment.unit,
+                alignment.up,
+                alignment.facing
+            ),
+        ),
+        _ => error,
+    }
+}
+
+/// A warning about a body that can be dressed, but stands where no pattern will be.
+fn misplaced(body: &Body) -> Option<Warning> {
+    let alignment = Alignment::recognize(body.positions(), body.triangles()).ok().filter(Alignment::is_far)?;
+    let [x, y, z] = alignment.away();
+    Some(Warning(Error::new(
+        format!(
+            "The body seems to be in {}, {} up, facing {}, and to stand at ({x:.2}, {y:.2}, {z:.2}) m.",
+            alignment.unit, alignment.up, alignment.facing
+        ),
+        "Patterns are placed for a body in metres, y up, facing +z, that stands over the origin: give --align auto, or move it.",
+    )))
 }
 
 /// The name of a file without its folder and its ending.

@@ -2,6 +2,7 @@
 //! files, words and exit statuses. `docs/guide.md` is its manual.
 
 mod arguments;
+mod body;
 mod check;
 mod compare;
 mod complaint;
@@ -89,5 +90,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Check(check) => check::run(check),
         Command::Export(export) => export::run(export),
         Command::Simulate(simulate) => simulate::run(simulate),
+        Command::Body(body) => body::run(body),
     }
 }

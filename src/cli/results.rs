@@ -59,6 +59,11 @@ pub fn write(run: &Run, out: &Path, host: impl Fn() -> Host) -> Result<Host, Err
     atomic::write(&out.join("garment.obj"), garment_obj::write(pattern, level, positions).as_bytes())?;
     atomic::write(&out.join("garment.glb"), &glb::write(pattern, level, positions))?;
     atomic::write(&out.join("state.toile"), &state::write(&state_of(run)))?;
+    let aligned = out.join("body_aligned.obj");
+    match &run.body.aligned_obj {
+        Some(obj) => atomic::write(&aligned, obj.as_bytes())?,
+        None => remove_old(&aligned)?,
+    }
     let pictures = Pictures::new(run);
     atomic::write(&out.join("preview.png"), &preview(&pictures.garment(), &pictures.body()))?;
     let field = StrainField::PerTriangle(&pictures.strain);
@@ -71,6 +76,7 @@ pub fn write(run: &Run, out: &Path, host: impl Fn() -> Host) -> Result<Host, Err
         pattern_sha256: &run.pattern.sha256,
         body_name: &run.body.name,
         body_sha256: &run.body.sha256,
+        alignment: run.body.alignment.as_ref(),
         worn: run.body.worn.iter().map(|worn| [worn.name.as_str(), worn.sha256.as_str()]).collect(),
         fabric: run.fabric,
         settings: run.settings,
@@ -104,9 +110,14 @@ fn write_crossings(out: &Path, garment: &GarmentView, body: &BodyView, crossing:
     if !crossing.is_empty() {
         return atomic::write(&file, &crossings(garment, body, crossing));
     }
-    match std::fs::remove_file(&file) {
+    remove_old(&file)
+}
+
+/// Removes a file of an earlier run that would be misleading beside the results of this one.
+fn remove_old(file: &Path) -> Result<(), Error> {
+    match std::fs::remove_file(file) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(Error::new(
-            format!("An old picture cannot be removed ({e})."),
+            format!("An old file cannot be removed ({e})."),
             "Remove it, or give another folder with --out.",
         )
         .within(file.display())),

@@ -58,6 +58,20 @@ fn checked(bytes: &[u8]) -> Result<CheckedLines, Error> {
     Ok(lines)
 }
 
+/// A mesh as an OBJ file; reading it gives the same numbers.
+pub fn write(positions: &[Vector3], triangles: &[[u32; 3]]) -> String {
+    let mut text = String::with_capacity(64 * positions.len() + 24 * triangles.len());
+    text.push_str("# metres, y up, facing +z\n");
+    // Writing to a string cannot fail.
+    for p in positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for [a, b, c] in triangles {
+        let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+    }
+    text
+}
+
 /// Positions, m, and triangles of checked lines.
 fn mesh_of(text: &str) -> Result<(Vec<Vector3>, Vec<[u32; 3]>), Error> {
     let options =

@@ -7,6 +7,7 @@
 use super::fabric_toml::figures;
 use super::settings_toml::{bending_word, finish_line_word, membrane_word, minimizer_word};
 use crate::assess::{Assessment, Check, Strain, Tight, hand_off};
+use crate::body::Alignment;
 use crate::energy::Terms;
 use crate::geometry::Vector3;
 use crate::minimize::Termination;
@@ -26,6 +27,8 @@ pub struct RunFacts<'a> {
     pub body_name: &'a str,
     /// Hexadecimal, of the body file.
     pub body_sha256: &'a str,
+    /// How the body was brought into our frame, if that was asked for.
+    pub alignment: Option<&'a Alignment>,
     /// Names and digests of the garments that the body wears, innermost first.
     pub worn: Vec<[&'a str; 2]>,
     pub fabric: &'a Fabric,
@@ -115,6 +118,32 @@ pub struct BodyPart {
     pub sha256: String,
     /// Garments that the body wore before, innermost first.
     pub wears: Vec<WornPart>,
+    /// How the body was brought into the frame of the results, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<AlignmentPart>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub struct AlignmentPart {
+    /// Of the file, as recognized.
+    pub unit: &'static str,
+    pub up: &'static str,
+    pub facing: String,
+    pub scale: f64,
+    /// Row by row; takes points of the file to those of the results, m.
+    pub world_from_file: [[f64; 4]; 4],
+}
+
+impl From<&Alignment> for AlignmentPart {
+    fn from(alignment: &Alignment) -> Self {
+        Self {
+            unit: alignment.unit,
+            up: alignment.up,
+            facing: alignment.facing.clone(),
+            scale: alignment.scale,
+            world_from_file: alignment.world_from_file(),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -290,6 +319,7 @@ pub fn report(run: &RunFacts) -> Report {
                 name: run.body_name.to_owned(),
                 sha256: run.body_sha256.to_owned(),
                 wears: run.worn.iter().map(|worn| WornPart { name: worn[0].into(), sha256: worn[1].into() }).collect(),
+                alignment: run.alignment.map(AlignmentPart::from),
             },
         },
         settings: settings_part(run.settings),
@@ -509,6 +539,7 @@ mod tests {
             pattern_sha256: "ab",
             body_name: "ball",
             body_sha256: "cd",
+            alignment: None,
             worn: vec![["tee", "ef"]],
             fabric: &Fabric::default(),
             settings: &Settings::default(),

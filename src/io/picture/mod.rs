@@ -2,6 +2,7 @@
 //!
 //! * [`preview()`]: garment and body from three sides;
 //! * [`strain()`]: the stretch in colors, with a scale;
+//! * [`measured()`]: a body with what was measured on it;
 //! * [`convergence()`]: energy and residual against evaluations, as SVG;
 //! * [`Film`]: frames of a simulation;
 //! * [`rivals()`]: several runs against evaluations and seconds, as SVG;
@@ -37,6 +38,7 @@ mod diverging;
 mod film;
 mod image;
 mod key_light;
+mod measured;
 mod preview;
 mod raster;
 mod render;
@@ -55,6 +57,7 @@ pub use convergence::{Curve, CurvePoint, convergence};
 pub use crossings::crossings;
 pub use film::Film;
 pub use image::{Image, MAX_SIDE};
+pub use measured::{Marks, measured};
 pub use preview::preview;
 pub use render::render;
 pub use rivals::{Rival, RivalChart, RivalPoint, rivals};
