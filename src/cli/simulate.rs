@@ -6,7 +6,7 @@ use super::inputs::tell;
 use super::simulation_results::{Inputs, Results};
 use super::{Failure, Status};
 use crate::body::{Body, Motion};
-use crate::dynamics::{BroadPhase, Course, Integrator, Movement, Settings, Simulation, Surface};
+use crate::dynamics::{BroadPhase, Course, Integrator, Settings, Simulation, Surface};
 use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::io::checkpoint::{self, Checkpoint, Description};
@@ -76,7 +76,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     let mut simulation = Simulation::new(&level, cut, &touching, model, &settings, positions);
     let digest = inputs.digest()?;
     let mut frames = match asked.resume {
-        true => go_on(&asked.out, &digest, &mut simulation.movement)?,
+        true => go_on(&asked.out, &digest, &mut simulation)?,
         false => Vec::new(),
     };
     let mut results = Results::open(&inputs, &level, &frames)?;
@@ -84,6 +84,9 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
 
     let mut watcher = Watcher::new(asked.progress, shot.frames(), frames.len());
     let mut surface = Surface::new(&shot.at(frames.len()), motion.triangles(), settings.broad_phase);
+    if frames.is_empty() {
+        simulation.take_over(&surface);
+    }
     let (mut wall, mut cpu) = (0.0, process::cpu_seconds().map(|_| 0.0));
     while frames.len() < shot.frames() {
         let (before, cpu_before) = (Instant::now(), process::cpu_seconds());
@@ -101,7 +104,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
         results.append(frame, positions)?;
         results.shoot(frame, positions, &end);
         let description = Description { of: digest.clone(), frames: frames.clone() };
-        let checkpoint = Checkpoint { description, movement: simulation.movement.clone() };
+        let checkpoint = Checkpoint { description, movement: simulation.movement.clone(), extra: simulation.extra() };
         atomic::write(&asked.out.join("checkpoint.toile"), &checkpoint::write(&checkpoint))?;
         wall += before.elapsed().as_secs_f64();
         cpu = cpu.zip(process::cpu_seconds().zip(cpu_before)).map(|(sum, (now, before))| sum + now - before);
@@ -260,17 +263,18 @@ fn blown_up(frame: usize, settings: &Settings) -> Error {
 }
 
 /// Where a simulation stopped.
-fn go_on(out: &Path, digest: &str, movement: &mut Movement) -> Result<Vec<FrameRecord>, Error> {
+fn go_on(out: &Path, digest: &str, simulation: &mut Simulation) -> Result<Vec<FrameRecord>, Error> {
     let file = out.join("checkpoint.toile");
     let within = |e: Error| e.within(file.display());
-    let checkpoint = checkpoint::read(&read::bytes(&file)?, movement.positions.len()).map_err(within)?;
+    let checkpoint = checkpoint::read(&read::bytes(&file)?, simulation.movement.positions.len()).map_err(within)?;
     if checkpoint.description.of != digest {
         return Err(within(Error::new(
             "It is the checkpoint of another simulation: garments, body, motion or settings differ.",
             "Give what it was started with, or start anew without --resume.",
         )));
     }
-    *movement = checkpoint.movement;
+    simulation.set_extra(&checkpoint.extra);
+    simulation.movement = checkpoint.movement;
     Ok(checkpoint.description.frames)
 }
 

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! `K` is the part of the energy's Hessian that is certainly positive, so that the system can be solved by conjugate
-//! gradients whatever the cloth is doing; 3 × 3 blocks of the diagonal precondition them. Contact of cloth with cloth
-//! and damping stay explicit: their stiffness is not in `K`, and the step has to be short enough for them.
+//! gradients whatever the cloth is doing; 3 × 3 blocks of the diagonal precondition them. Pairs of cloth in contact are
+//! in `K` as the springs along their normals that they are.
 
 use super::forces::Forces;
 use super::integrator::{Movement, for_all};
@@ -68,13 +68,25 @@ impl Implicit {
         matrix.fill(|row, columns, blocks| tangent.add_membrane(positions, row, true, columns, blocks));
         let squared = step * step;
         let mass = |p: usize| inertia[p] + step * self.drag * forces.energy.masses()[p];
+        let pairs = forces.cloth().map_or_else(Vec::new, |cloth| cloth.hessians(positions));
         let times = |of: &[Vector3], product: &mut [Vector3]| {
             for_all(product, |p, out| {
                 *out = (matrix.row_times(p, of) + tangent.bending_times(p, of)) * squared + of[p] * mass(p);
             });
+            for pair in &pairs {
+                let moved = pair.particles.iter().zip(pair.pressing);
+                let rate: f64 = moved.clone().map(|(&p, pressing)| pressing.dot(&of[p as usize])).sum();
+                moved.for_each(|(&p, pressing)| product[p as usize] += pressing * (rate * squared));
+            }
         };
+        let mut pressed = vec![Matrix3::zeros(); positions.len()];
+        for pair in &pairs {
+            for (&p, pressing) in pair.particles.iter().zip(pair.pressing) {
+                pressed[p as usize] += pressing * pressing.transpose();
+            }
+        }
         for (p, inverse) in inverse_diagonal.iter_mut().enumerate() {
-            let block = matrix.own_block(p) + Matrix3::identity() * tangent.bending_diagonal(p);
+            let block = matrix.own_block(p) + Matrix3::identity() * tangent.bending_diagonal(p) + pressed[p];
             let block = block * squared + Matrix3::identity() * mass(p);
             *inverse = block.try_inverse().expect("a positive definite block has an inverse");
         }

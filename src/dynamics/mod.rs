@@ -54,6 +54,7 @@ pub struct Simulation {
     response: Response,
     velocities: Vec<Vector3>,
     moves: Vec<Vector3>,
+    dampened: Vec<Vector3>,
 }
 
 /// What a frame, or any number of steps, was like.
@@ -98,6 +99,7 @@ impl Simulation {
             movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
             velocities: vec![Vector3::zeros(); count],
             moves: vec![Vector3::zeros(); count],
+            dampened: vec![Vector3::zeros(); count],
         }
     }
 
@@ -118,6 +120,24 @@ impl Simulation {
     /// The step that the integrator would take, s.
     pub fn step_length(&self) -> f64 {
         self.stepper.step(&self.forces)
+    }
+
+    /// Starts from a fit on a body that is now where the surface is: what is held out farther than the clearance there is
+    /// held so on.
+    pub fn take_over(&mut self, surface: &Surface) {
+        let mut gradient = vec![Vector3::zeros(); self.movement.positions.len()];
+        self.forces.look_afresh(&self.movement.positions);
+        self.forces.gradient(&self.movement.positions, &mut gradient);
+        self.response.take_over(surface, &self.movement.positions, &gradient);
+    }
+
+    /// What particles keep beyond the clearance, m; with the movement all that a later frame depends on.
+    pub fn extra(&self) -> Vec<f64> {
+        self.response.extra()
+    }
+
+    pub fn set_extra(&mut self, extra: &[f64]) {
+        self.response.set_extra(extra);
     }
 
     /// Forgets all that is not a function of the movement.
@@ -168,12 +188,14 @@ impl Simulation {
 
     /// One step of at most `step`, s, at a time within a frame of some duration; returns the step taken.
     fn step(&mut self, surface: &mut Surface, step: f64, (elapsed, duration): (f64, f64)) -> (f64, Met) {
-        let Self { movement, forces, stepper, elastic, response, velocities, moves } = self;
+        let Self { movement, forces, stepper, elastic, response, velocities, moves, dampened } = self;
         let step = stepper.advance(forces, movement, step, velocities, moves);
         // Mean velocities over the step, which limits and contact act upon; what they change stays in the new ones.
         let mean = moves;
         for_all(mean, |_, m| *m /= step);
-        for_all(velocities, |p, v| *v -= mean[p]);
+        forces.dampen(velocities, step, dampened);
+        for_all(mean, |p, m| *m += dampened[p] - velocities[p]);
+        for_all(velocities, |p, v| *v = dampened[p] - mean[p]);
         elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
         let met = response.respond(surface, &movement.positions, mean, step);
         for_all(mean, |_, m| *m *= step);

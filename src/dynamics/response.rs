@@ -55,10 +55,13 @@ struct Track {
     slack: f64,
     /// May it be inside after the step?
     close: bool,
+    /// What the particle keeps beyond the clearance, m.
+    extra: f64,
 }
 
 impl Track {
-    const UNKNOWN: Track = Track { place: None, age: 0, carried: 0, slid: 0.0, slack: f64::NEG_INFINITY, close: false };
+    const UNKNOWN: Track =
+        Track { place: None, age: 0, carried: 0, slid: 0.0, slack: f64::NEG_INFINITY, close: false, extra: 0.0 };
 }
 
 /// Contact of particles with a moving surface.
@@ -96,7 +99,29 @@ impl Response {
 
     /// Forgets all places: they are looked for again.
     pub fn look_afresh(&mut self) {
-        self.tracks.fill(Track::UNKNOWN);
+        self.tracks.iter_mut().for_each(|track| *track = Track { extra: track.extra, ..Track::UNKNOWN });
+    }
+
+    /// What each particle keeps beyond the clearance, m.
+    pub fn extra(&self) -> Vec<f64> {
+        self.tracks.iter().map(|track| track.extra).collect()
+    }
+
+    pub fn set_extra(&mut self, extra: &[f64]) {
+        self.tracks.iter_mut().zip(extra).for_each(|(track, &extra)| track.extra = extra);
+    }
+
+    /// Takes over what the fit holds farther out than its clearance, as a sharp part of the body would come through
+    /// between the particles otherwise: all that presses on the skin from where it is. `gradient` is that of the
+    /// energies at `positions`, N.
+    pub fn take_over(&mut self, surface: &Surface, positions: &[Vector3], gradient: &[Vector3]) {
+        let clearance = self.clearance;
+        let extra = |(p, g): (&Vector3, &Vector3)| {
+            let place = surface.nearest(*p, clearance + MOST_EXTRA)?;
+            (g.dot(&place.normal) > 0.0).then_some((place.distance - clearance).max(0.0))
+        };
+        let extra: Vec<f64> = positions.par_iter().zip(gradient).map(|at| extra(at).unwrap_or(0.0)).collect();
+        self.set_extra(&extra);
     }
 
     /// Changes velocities, m/s, of particles at `positions`, m, so that after `step`, s, they are clear of the surface,
@@ -112,7 +137,7 @@ impl Response {
                 let skin = surface.velocity(&place);
                 let (normal, relative) = (place.normal, *velocity - skin);
                 let approach = relative.dot(&normal);
-                let gap = place.distance - clearance;
+                let gap = place.distance - clearance - track.extra;
                 let arrives = gap + approach * step <= 0.0;
                 let least = if gap <= 0.0 || arrives {
                     met.in_contact += 1;
@@ -134,7 +159,11 @@ impl Response {
                     *velocity = skin + slowed + normal * least;
                 }
                 let relative = *velocity - skin;
-                track.slid += (relative - normal * relative.dot(&normal)).norm() * step;
+                let slid = (relative - normal * relative.dot(&normal)).norm() * step;
+                track.slid += slid;
+                if track.extra > 0.0 {
+                    track.extra *= (-slid / FORGETTING).exp();
+                }
                 track.close = place.distance + relative.dot(&normal) * step < CLOSE;
             }
             met
@@ -167,6 +196,12 @@ impl Response {
         met.reduce(Met::default, Met::and)
     }
 }
+
+/// The most that is taken over, m: what is farther out does not touch.
+const MOST_EXTRA: f64 = 3e-3;
+/// Sliding over the skin by this, m, leaves a third of what a particle keeps beyond the clearance: what it was for is
+/// somewhere else now.
+const FORGETTING: f64 = 0.02;
 
 /// What was put back lies this far above the skin, m.
 const ON_TOP: f64 = 1e-5;
@@ -206,7 +241,7 @@ impl Track {
         };
         (self.carried, self.slid) = (0, 0.0);
         self.place = (place.distance < NEAR).then_some(place);
-        self.slack = place.distance - clearance - BAND;
+        self.slack = place.distance - clearance - self.extra - BAND;
         (self.slack < (velocity.norm() + surface.largest_speed()) * step).then_some(place)
     }
 }

@@ -68,7 +68,7 @@ pub struct Settings {
     pub clearance: f64,
     /// Rate at which air and inner friction take away all motion, 1/s.
     pub drag: f64,
-    /// Share of the critical damping of the fastest vibration along each edge, 0 to 1.
+    /// Viscosity: the share of its velocity against its neighbours that a particle loses in a stable step, 0 to 1.
     pub damping: f64,
     /// Of the air, m/s; cloth at rest in still air feels none.
     pub wind: Vector3,
@@ -93,7 +93,7 @@ impl Default for Settings {
             broad_phase: BroadPhase::default(),
             clearance: crate::prepositioning::DEFAULT_CLEARANCE,
             drag: 2.0,
-            damping: 0.2,
+            damping: 0.5,
             wind: Vector3::zeros(),
             restitution: 0.0,
             stretch_limit: None,

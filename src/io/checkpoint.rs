@@ -6,6 +6,7 @@
 //! u32       length             of the description, bytes
 //! bytes     description        JSON: what is simulated and how, and what the frames so far were like
 //! numbers   x y z              f64, of each particle: its position, m; then of each its velocity, m/s
+//! numbers   extra              f64, of each particle: what it keeps beyond the clearance, m
 //! u32       CRC-32             of everything before it
 //! ```
 //!
@@ -37,13 +38,15 @@ pub struct Description {
 pub struct Checkpoint {
     pub description: Description,
     pub movement: Movement,
+    /// What each particle keeps beyond the clearance, m.
+    pub extra: Vec<f64>,
 }
 
 /// The bytes of the file.
 pub fn write(checkpoint: &Checkpoint) -> Vec<u8> {
     let description = serde_json::to_vec(&checkpoint.description).expect("a description is plain data");
     let Movement { positions, velocities } = &checkpoint.movement;
-    let mut bytes = Vec::with_capacity(HEADER_BYTES + description.len() + 48 * positions.len() + CHECKSUM_BYTES);
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + description.len() + 56 * positions.len() + CHECKSUM_BYTES);
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
     bytes.extend((description.len() as u32).to_le_bytes());
@@ -51,6 +54,7 @@ pub fn write(checkpoint: &Checkpoint) -> Vec<u8> {
     for vector in positions.iter().chain(velocities) {
         vector.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     }
+    checkpoint.extra.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     bytes
 }
@@ -73,21 +77,21 @@ pub fn read(bytes: &[u8], particles: usize) -> Result<Checkpoint, Error> {
         return Err(damaged("The checksum of the checkpoint is wrong.".to_owned()));
     }
     let (length, rest) = (word(12) as usize, &content[HEADER_BYTES..]);
-    if rest.len() != length.saturating_add(48 * particles) {
+    if rest.len() != length.saturating_add(56 * particles) {
         return Err(damaged(format!("The checkpoint is not one of {particles} particles.")));
     }
     let (description, numbers) = rest.split_at(length);
     let description = serde_json::from_slice(description)
         .map_err(|e| damaged(format!("The description of the checkpoint cannot be read ({e}).")))?;
-    let mut vectors = numbers.chunks_exact(24).map(|vector| {
-        Vector3::from_fn(|axis, _| f64::from_le_bytes(vector[8 * axis..8 * axis + 8].try_into().expect("eight bytes")))
-    });
-    let positions: Vec<Vector3> = vectors.by_ref().take(particles).collect();
-    let velocities: Vec<Vector3> = vectors.collect();
-    if !positions.iter().chain(&velocities).all(|v| v.iter().all(|x| x.is_finite())) {
+    let numbers: Vec<f64> =
+        numbers.chunks_exact(8).map(|n| f64::from_le_bytes(n.try_into().expect("eight bytes"))).collect();
+    if !numbers.iter().all(|x| x.is_finite()) {
         return Err(damaged("The checkpoint has a number that is not finite.".to_owned()));
     }
-    Ok(Checkpoint { description, movement: Movement { positions, velocities } })
+    let (vectors, extra) = numbers.split_at(6 * particles);
+    let vectors: Vec<Vector3> = vectors.chunks_exact(3).map(|v| Vector3::new(v[0], v[1], v[2])).collect();
+    let (positions, velocities) = (vectors[..particles].to_vec(), vectors[particles..].to_vec());
+    Ok(Checkpoint { description, movement: Movement { positions, velocities }, extra: extra.to_vec() })
 }
 
 #[cfg(test)]
@@ -99,6 +103,7 @@ mod tests {
         Checkpoint {
             description: Description { of: "abc".to_owned(), frames: vec![FrameRecord::default(); 2] },
             movement: Movement { positions: (0..5).map(vector).collect(), velocities: (5..10).map(vector).collect() },
+            extra: vec![0.0, 1e-3, 0.0, 2e-4, 0.0],
         }
     }
 
