@@ -93,7 +93,7 @@ impl Default for Settings {
             broad_phase: BroadPhase::default(),
             clearance: crate::prepositioning::DEFAULT_CLEARANCE,
             drag: 2.0,
-            damping: 0.5,
+            damping: 0.8,
             wind: Vector3::zeros(),
             restitution: 0.0,
             stretch_limit: None,
