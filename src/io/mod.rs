@@ -7,19 +7,24 @@
 pub mod atomic;
 pub mod body_obj;
 pub mod comparison;
+pub mod draft;
+pub mod dxf;
 pub mod embedded;
 pub mod fabric_toml;
+pub mod freesewing;
 pub mod garment_obj;
 pub mod garmentcode;
 pub mod glb;
 pub mod length;
 pub mod outfit_report;
+pub mod pattern_file;
 pub mod picture;
 pub mod process;
 pub mod read;
 pub mod report;
 pub mod settings_toml;
 pub mod state;
+pub mod toile_pattern;
 
 mod toml_keys;
 
