@@ -5,6 +5,7 @@ mod arguments;
 mod check;
 mod compare;
 mod complaint;
+mod convert;
 mod demo;
 mod fit;
 mod inputs;
@@ -84,5 +85,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Fit(fit) => fit::run(fit),
         Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
+        Command::Convert(convert) => convert::run(convert),
     }
 }

@@ -155,6 +155,11 @@ impl Pattern {
         &self.panels[id.panel].segments[id.segment]
     }
 
+    /// Have all panels places around a body?
+    pub fn is_placed(&self) -> bool {
+        self.panels.iter().all(|panel| panel.placement.is_some())
+    }
+
     /// Lengths of the two sides of a seam, m.
     pub fn seam_lengths(&self, seam: &Seam) -> [f64; 2] {
         seam.sides.map(|side| self.segment(side).curve.length())
