@@ -143,13 +143,13 @@ mod tests {
     fn a_path_along_an_arc_has_its_length_area_and_points() {
         let (arc, path) = three_quarters();
         assert!(matches!(path.shape, Shape::Path(_)));
-        assert!((arc.length() - 1.5 * PI).abs() < 1e-12 && (path.length() - arc.length()).abs() < 1e-5);
-        assert!((path.signed_area() - arc.signed_area()).abs() < 1e-5);
+        assert!((arc.length() - 1.5 * PI).abs() < 1e-12 && (path.length() - arc.length()).abs() < 3e-5);
+        assert!((path.signed_area() - arc.signed_area()).abs() < 3e-5);
         for k in 0..=100 {
             let fraction = f64::from(k) / 100.0;
-            assert!((path.at_fraction(fraction) - arc.at_fraction(fraction)).norm() < 1e-5, "{k}");
+            assert!((path.at_fraction(fraction) - arc.at_fraction(fraction)).norm() < 3e-5, "{k}");
             let (found, distance) = path.nearest(0.5 * arc.at_fraction(fraction));
-            assert!((found - fraction).abs() < 1e-4 && (distance - 0.5).abs() < 1e-5, "{k}: {found}, {distance}");
+            assert!((found - fraction).abs() < 1e-4 && (distance - 0.5).abs() < 3e-5, "{k}: {found}, {distance}");
             let (found, distance) = arc.nearest(1.5 * arc.at_fraction(fraction));
             assert!((found - fraction).abs() < 1e-9 && (distance - 0.5).abs() < 1e-9, "{k}: {found}, {distance}");
         }

@@ -9,18 +9,22 @@ const STRAIGHT: f64 = 3e-5;
 /// curve by points sets them about evenly.
 const LONG_STRETCH: f64 = 4.0;
 
-/// The curve through points, from the first to the last: a centripetal Catmull-Rom spline (Catmull and Rom 1974; Yuksel,
-/// Schaefer and Keyser 2011), whose pieces are cubics. It has neither cusps nor loops between its points. `around` are the
-/// points before the first and after the last where the curve goes on; at an end it leaves as the parabola through
-/// three points does. At least two points, no two in a row at the same place.
+/// The curve through points, from the first to the last: a Catmull-Rom spline (Catmull and Rom 1974), whose pieces are
+/// cubics, with the speeds of the centripetal one (Yuksel, Schaefer and Keyser 2011), which keep uneven points from
+/// making loops. `around` are the points before the first and after the last where the curve goes on; at an end it
+/// leaves as the parabola through three points does. At least two points, no two in a row at the same place.
 pub fn through(points: &[Vector2], around: [Option<Vector2>; 2]) -> Curve {
     let last = points.len() - 1;
     let chord = |k: usize| points[k + 1] - points[k];
     let knot = |d: Vector2| d.norm().sqrt();
-    // Derivative at the middle of three points of the parabola through them, for knots at the roots of the chords.
+    // As long as the derivative of the parabola through three points, for knots at the roots of the chords, and parallel to
+    // the line from the first to the last: drawings are thinned until chords stay near to the curve, so that a long
+    // chord tells more of the direction than a short one.
     let middle = |before: Vector2, after: Vector2| {
         let (s, t) = (knot(before), knot(after));
-        (before / s * t + after / t * s) / (s + t)
+        let derivative = (before / s * t + after / t * s) / (s + t);
+        let direction = (before + after).try_normalize(0.0);
+        direction.map_or(derivative, |direction| direction * derivative.norm())
     };
     let at_end = |near: Vector2, far: Vector2| near * (2.0 / knot(near)) - middle(near, far);
     let mut tangents: Vec<[Vector2; 2]> = Vec::with_capacity(last);
@@ -108,8 +112,8 @@ mod tests {
         // A quarter by six points at uneven steps, as an armhole is marked.
         let points = on_circle(&[0.0, 0.25, 0.55, 0.95, 1.25, PI / 2.0]);
         let curve = through(&points, [None, None]);
-        assert!((curve.length() / (0.1 * PI) - 1.0).abs() < 1e-3, "{}", curve.length());
-        assert!((curve.signed_area() / (0.01 * PI) - 1.0).abs() < 1e-3, "{}", curve.signed_area());
+        assert!((curve.length() / (0.1 * PI) - 1.0).abs() < 2e-3, "{}", curve.length());
+        assert!((curve.signed_area() / (0.01 * PI) - 1.0).abs() < 2e-3, "{}", curve.signed_area());
         for p in &points {
             assert!(curve.nearest(*p).1 < 1e-7);
         }
