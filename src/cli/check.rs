@@ -108,7 +108,7 @@ fn told(warning: &Warning) -> String {
 
 fn describe_pattern(text: &mut String, pattern: &Pattern) {
     let area: f64 = pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
-    let seam: f64 = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).sum();
+    let seam = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).fold(0.0, |sum, length| sum + length);
     let _ = writeln!(
         text,
         "pattern {}: {} panels of {area:.2} m² in all, {} seams of {seam:.2} m",

@@ -3,8 +3,10 @@
 use super::{Curve, Path};
 use crate::geometry::{Vector2, cross};
 
-/// A run that leaves its chord by less than this is straight, m: a line is drawn to a tenth of a millimetre.
-const STRAIGHT: f64 = 3e-5;
+/// A run that leaves its chord by less than this share of it is straight: half a millimetre in a metre.
+const STRAIGHT: f64 = 5e-4;
+/// But by no more than this, m: a line is drawn to a tenth of a millimetre, and a half is unfolded no better.
+const STRAIGHT_AT_MOST: f64 = 1.5e-4;
 /// A stretch so many times longer than those beside it is a straight line that runs into a curve: whoever marks a
 /// curve by points sets them about evenly.
 const LONG_STRETCH: f64 = 4.0;
@@ -86,9 +88,10 @@ fn along_or_straight(controls: Vec<Vector2>) -> Curve {
 /// Do all points lie on the line from the first to the last, one behind the other?
 fn is_straight(points: &[Vector2]) -> bool {
     let (first, last) = (points[0], points[points.len() - 1]);
-    let Some(along) = (last - first).try_normalize(STRAIGHT) else { return false };
-    let beside = |p: &Vector2| cross(along, p - first).abs() <= STRAIGHT;
-    let forward = |w: &[Vector2]| (w[1] - w[0]).dot(&along) >= -STRAIGHT;
+    let Some(along) = (last - first).try_normalize(f64::MIN_POSITIVE) else { return false };
+    let tolerance = (STRAIGHT * (last - first).norm()).min(STRAIGHT_AT_MOST);
+    let beside = |p: &Vector2| cross(along, p - first).abs() <= tolerance;
+    let forward = |w: &[Vector2]| (w[1] - w[0]).dot(&along) >= -tolerance;
     points.iter().all(beside) && points.windows(2).all(forward)
 }
 
