@@ -70,7 +70,7 @@ fn panel_json(panel: &Panel) -> String {
 fn edge_json(segment: &Segment, index: usize, count: usize) -> String {
     let mut fields = vec![format!(r#""endpoints": [{index}, {}]"#, (index + 1) % count)];
     let control = |point| pair(relative(point, &segment.curve));
-    match segment.curve.shape {
+    match segment.curve.shape.clone() {
         Shape::Line => {}
         Shape::Quadratic(c) => {
             fields.push(format!(r#""curvature": {{ "type": "quadratic", "params": [{}] }}"#, control(c)));

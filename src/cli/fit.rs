@@ -20,7 +20,7 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
     let options = asked.reading.options()?;
-    let open = |path: &PathBuf| PatternInput::open(path, &options)?.to_be_fitted();
+    let open = |path: &PathBuf| PatternInput::open(path, &options)?.for_fitting();
     let patterns: Vec<PatternInput> = asked.patterns.iter().map(open).collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;

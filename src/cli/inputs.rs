@@ -34,7 +34,7 @@ impl PatternInput {
     }
 
     /// The same, if it can be fitted: its panels have places around the body.
-    pub fn to_be_fitted(self) -> Result<Self, Error> {
+    pub fn for_fitting(self) -> Result<Self, Error> {
         check_placed(&self.pattern).map_err(|e| e.within(&self.place))?;
         Ok(self)
     }

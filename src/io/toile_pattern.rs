@@ -140,7 +140,7 @@ struct FileNotch {
     segment: usize,
     /// Of the segment's arc length, from 0 at its start to 1 at its end.
     fraction: f64,
-    #[serde(default, skip_serializing_if = "FileNotchKind::is_single")]
+    #[serde(default = "single", skip_serializing_if = "FileNotchKind::is_single")]
     kind: FileNotchKind,
 }
 
@@ -155,7 +155,7 @@ struct FileSeam {
     /// How much longer the second side is meant to be than the first: 0.02 is 2 %. A check, not an order.
     #[serde(skip_serializing_if = "Option::is_none")]
     ease: Option<f64>,
-    #[serde(default, skip_serializing_if = "FileSense::is_opposed")]
+    #[serde(default = "opposed", skip_serializing_if = "FileSense::is_opposed")]
     sense: FileSense,
     sides: [FileSide; 2],
 }
@@ -209,10 +209,8 @@ impl FileNotchKind {
     }
 }
 
-impl Default for FileNotchKind {
-    fn default() -> Self {
-        Self::Single
-    }
+fn single() -> FileNotchKind {
+    FileNotchKind::Single
 }
 
 impl FileSense {
@@ -221,10 +219,8 @@ impl FileSense {
     }
 }
 
-impl Default for FileSense {
-    fn default() -> Self {
-        Self::Opposed
-    }
+fn opposed() -> FileSense {
+    FileSense::Opposed
 }
 
 /// The pattern as JSON, one line.
