@@ -84,6 +84,7 @@ fn edge_json(segment: &Segment, index: usize, count: usize) -> String {
             let params = format!("[{}, 0, {}]", number(arc.radius), u8::from(arc.sweep > 0.0));
             fields.push(format!(r#""curvature": {{ "type": "circle", "params": {params} }}"#));
         }
+        Shape::Path(_) => unreachable!("no stroke of these patterns is a path"),
     }
     if let Some(label) = LABELS.iter().find(|label| segment.name.ends_with(*label)) {
         fields.push(format!(r#""label": "{label}""#));

@@ -14,6 +14,9 @@ const FARTHEST_NOTCH: f64 = 0.06;
 /// A shorter grainline has no direction, m.
 const SHORTEST_GRAINLINE: f64 = 1e-3;
 
+/// What reaches farther than this is damage, m; readers refuse it before they draft a piece.
+pub const FARTHEST: f64 = 100.0;
+
 /// A piece as it is drawn; m, y up.
 #[derive(Clone, Debug)]
 pub struct Draft {

@@ -52,6 +52,12 @@ pub fn read(piece: &Piece, first_sign: Option<NotchSign>, warnings: &mut Vec<War
         ));
     }
     let extent = block.bounds().map_or(0.0, |(low, high)| (high - low).amax());
+    if extent > crate::io::draft::FARTHEST {
+        return Err(Error::new(
+            format!("It is {extent:.0} m long."),
+            "Check the unit of the drawing, --unit, or export it again: a vertex may be damaged.",
+        ));
+    }
     let on = |layer: i32| -> Vec<Polyline> {
         block.polylines.iter().filter(|(l, _)| *l == layer).map(|(_, line)| line.clone()).collect()
     };

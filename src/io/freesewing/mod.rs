@@ -105,6 +105,13 @@ impl Pen {
                 "The file is damaged; export the draft again.",
             ));
         }
+        // Measuring a curve of a light-year takes for ever; kurbo gives up on it with a panic.
+        if curve.control_points().iter().any(|p| p.norm() > crate::io::draft::FARTHEST) {
+            return Err(Error::new(
+                format!("A path reaches farther than {} m from the origin.", crate::io::draft::FARTHEST),
+                "The file is damaged; export the draft again.",
+            ));
+        }
         self.at = curve.end;
         // What has no length is left out; its end is kept as the start of the next.
         if curve.control_points().iter().any(|p| (p - curve.start).norm() > NOTHING) {
