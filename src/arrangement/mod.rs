@@ -97,9 +97,21 @@ pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
     positions
 }
 
+/// Has every panel a place around the body to start from?
+pub fn check_placed(pattern: &Pattern) -> Result<(), Error> {
+    let Some(lying) = pattern.panels.iter().find(|panel| panel.placement.is_none()) else { return Ok(()) };
+    let seams = if pattern.seams.is_empty() { ", and the pattern has no seams" } else { "" };
+    Err(Error::new(
+        format!("It has no place around the body{seams}: drawings such as DXF and FreeSewing hold neither."),
+        "Write the pattern with `toile convert` as TOML, and add a placement to each panel, and seams; docs/formats.md says how.",
+    )
+    .within(format!("panel \"{}\"", lying.name)))
+}
+
 /// Was the pattern placed around this body? Panels may start a metre in front of it; their middle,
 /// however, is where the body is.
 pub fn check_placement(pattern: &Pattern, body: &Body) -> Result<(), Error> {
+    check_placed(pattern)?;
     let (low, high) = body.bounds();
     let (mut middle, mut area) = (Vector3::zeros(), 0.0);
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);

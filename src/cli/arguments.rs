@@ -1,7 +1,7 @@
 //! What can be asked for on the command line.
 
 use super::Failure;
-use crate::io::{length, settings_toml};
+use crate::io::{dxf, length, settings_toml};
 use crate::prepositioning::{FinishLine, Settings};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -34,6 +34,38 @@ pub enum Command {
     Simulate(Simulate),
     /// Tell what is recognized in a body: unit, position, landmarks and girths
     Body(Body),
+    /// Write a pattern of any kind in the format of toile, which holds all of it
+    Convert(Convert),
+}
+
+/// How to read what a drawing leaves open.
+#[derive(Args, Debug)]
+pub struct Reading {
+    /// Unit of a DXF drawing: mm, cm, in or m [default: guessed from the size of the panels]
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+    /// Size to be read of a graded DXF file [default: its sample size]
+    #[arg(long, value_name = "SIZE", allow_hyphen_values = true)]
+    pub size: Option<String>,
+}
+
+impl Reading {
+    pub fn options(&self) -> Result<dxf::Options, Failure> {
+        let unit = self.unit.as_deref().map(length::Unit::named).transpose();
+        let unit = unit.map_err(|e| Failure::Usage(e.within("--unit")))?;
+        Ok(dxf::Options { unit, size: self.size.clone() })
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct Convert {
+    /// Sewing pattern: GarmentCode, DXF (AAMA, ASTM), FreeSewing, or toile's own
+    pub pattern: PathBuf,
+    /// File to write, .toml or .json
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 #[derive(Args, Debug)]
@@ -56,7 +88,7 @@ pub enum Garment {
 
 #[derive(Args, Debug)]
 pub struct Fit {
-    /// Sewing patterns, GarmentCode JSON files; several are worn one over the other, the innermost first
+    /// Sewing patterns: GarmentCode, or toile's own; several are worn one over the other, the innermost first
     #[arg(required = true, value_name = "PATTERN")]
     pub patterns: Vec<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
@@ -73,12 +105,14 @@ pub struct Fit {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     #[command(flatten)]
+    pub reading: Reading,
+    #[command(flatten)]
     pub solving: Solving,
 }
 
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// Sewing pattern, a GarmentCode JSON file
+    /// Sewing pattern: GarmentCode, or toile's own
     #[arg(required_unless_present = "replot")]
     pub pattern: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
@@ -118,13 +152,17 @@ pub struct Compare {
     #[arg(long)]
     pub whole: bool,
     #[command(flatten)]
+    pub reading: Reading,
+    #[command(flatten)]
     pub solving: Solving,
 }
 
 #[derive(Args, Debug)]
 pub struct Check {
-    /// Sewing pattern, a GarmentCode JSON file
+    /// Sewing pattern: GarmentCode, DXF (AAMA, ASTM), FreeSewing, or toile's own
     pub pattern: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: Option<PathBuf>,

@@ -12,14 +12,16 @@ use crate::minimize::Termination;
 use crate::pattern::{Fabric, Pattern};
 use crate::prepositioning::{Outcome, Outfit, Settings, preposition_outfit};
 use crate::{Error, Warning};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
-    let patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
+    let options = asked.reading.options()?;
+    let open = |path: &PathBuf| PatternInput::open(path, &options)?.for_fitting();
+    let patterns: Vec<PatternInput> = asked.patterns.iter().map(open).collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body, asked.align)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)

@@ -3,34 +3,41 @@
 use super::arguments::{Align, Solving};
 use super::stopwatch::Moment;
 use super::{Failure, complaint};
+use crate::arrangement::check_placed;
 use crate::body::{Alignment, Body};
 use crate::geometry::Vector3;
 use crate::io::report::Stage;
-use crate::io::{body_obj, fabric_toml, garmentcode, read, state};
+use crate::io::{body_obj, dxf, fabric_toml, pattern_file, read, state};
 use crate::pattern::{Fabric, Pattern};
 use crate::{Error, Warning};
 use std::path::Path;
 
-/// A pattern, the text it came from, and what to call it.
+/// A pattern, and what to call it.
 pub struct PatternInput {
     pub pattern: Pattern,
     /// The file, for messages.
     pub place: String,
-    pub text: String,
+    /// Of the file.
     pub sha256: String,
     pub warnings: Vec<Warning>,
 }
 
 impl PatternInput {
-    /// Reads a pattern file.
-    pub fn open(path: &Path) -> Result<Self, Error> {
+    /// Reads a pattern file of any kind.
+    pub fn open(path: &Path, options: &dxf::Options) -> Result<Self, Error> {
         let place = path.display().to_string();
-        Self::parse(read::text(path)?, &name_of(path), &place).map_err(|e| e.within(place))
+        Self::parse(&read::bytes(path)?, &name_of(path), &place, options).map_err(|e| e.within(place))
     }
 
-    pub fn parse(text: String, name: &str, place: &str) -> Result<Self, Error> {
-        let (pattern, warnings) = garmentcode::parse(&text, name)?;
-        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(text.as_bytes()), text, warnings })
+    pub fn parse(bytes: &[u8], name: &str, place: &str, options: &dxf::Options) -> Result<Self, Error> {
+        let (pattern, warnings) = pattern_file::open(bytes, name, options)?;
+        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(bytes), warnings })
+    }
+
+    /// The same, if it can be fitted: its panels have places around the body.
+    pub fn for_fitting(self) -> Result<Self, Error> {
+        check_placed(&self.pattern).map_err(|e| e.within(&self.place))?;
+        Ok(self)
     }
 }
 

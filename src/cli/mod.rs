@@ -6,6 +6,7 @@ mod body;
 mod check;
 mod compare;
 mod complaint;
+mod convert;
 mod demo;
 mod export;
 mod fit;
@@ -91,5 +92,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Export(export) => export::run(export),
         Command::Simulate(simulate) => simulate::run(simulate),
         Command::Body(body) => body::run(body),
+        Command::Convert(convert) => convert::run(convert),
     }
 }

@@ -8,9 +8,12 @@ pub mod atomic;
 pub mod body_obj;
 pub mod checkpoint;
 pub mod comparison;
+pub mod draft;
+pub mod dxf;
 pub mod embedded;
 pub mod export;
 pub mod fabric_toml;
+pub mod freesewing;
 pub mod garment_obj;
 pub mod garmentcode;
 pub mod glb;
@@ -18,6 +21,7 @@ pub mod length;
 pub mod motion_cache;
 pub mod moving_body;
 pub mod outfit_report;
+pub mod pattern_file;
 pub mod picture;
 pub mod process;
 pub mod read;
@@ -25,6 +29,7 @@ pub mod report;
 pub mod settings_toml;
 pub mod simulation_report;
 pub mod state;
+pub mod toile_pattern;
 
 mod toml_keys;
 

@@ -101,7 +101,8 @@ impl Panel {
                 )));
             }
             let chord = (segment.curve.end - segment.curve.start).norm();
-            if chord.max(segment.curve.length()) < SHORTEST_SEGMENT {
+            // Long curves are not measured: it takes time.
+            if chord < SHORTEST_SEGMENT && segment.curve.length() < SHORTEST_SEGMENT {
                 return Err(at(Error::new(
                     "The edge has no length.",
                     "Remove it and let its neighbours meet in one corner.",
@@ -146,7 +147,7 @@ impl Panel {
         let farthest = |points: &mut dyn Iterator<Item = Vector2>| points.map(|p| p.norm()).fold(shift, f64::max);
         near(farthest(&mut self.segments.iter().flat_map(|s| s.curve.control_points())))?;
         // Arcs may bulge out.
-        near(farthest(&mut self.polygon(8).into_iter()))
+        near(farthest(&mut self.segments.iter().flat_map(|s| s.curve.sketch(8))))
     }
 }
 

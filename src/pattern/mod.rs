@@ -7,11 +7,17 @@
 mod check;
 mod curve;
 mod fabric;
+mod motion;
+mod path;
 #[cfg(test)]
 pub(crate) mod shapes;
+mod spline;
 
 pub use curve::{Arc, Curve, Shape};
 pub use fabric::{Cut, Directional, Fabric, PRESETS, Preset, Quality};
+pub use motion::Motion;
+pub use path::Path;
+pub use spline::{joined, through};
 
 use crate::geometry::{Vector2, Vector3, polygon_crossing};
 use nalgebra::Rotation3;
@@ -149,6 +155,11 @@ impl Pattern {
         &self.panels[id.panel].segments[id.segment]
     }
 
+    /// Have all panels places around a body?
+    pub fn is_placed(&self) -> bool {
+        self.panels.iter().all(|panel| panel.placement.is_some())
+    }
+
     /// Lengths of the two sides of a seam, m.
     pub fn seam_lengths(&self, seam: &Seam) -> [f64; 2] {
         seam.sides.map(|side| self.segment(side).curve.length())
@@ -203,21 +214,24 @@ impl Panel {
 
     /// Points along the outline, `per_curve` for each curved segment and one for each straight one.
     pub fn polygon(&self, per_curve: usize) -> Vec<Vector2> {
-        let points = |s: &Segment| {
-            let count = if s.curve.is_straight() { 1 } else { per_curve };
-            let curve = s.curve;
-            (0..count).map(move |i| curve.at_fraction(i as f64 / count as f64))
-        };
-        self.segments.iter().flat_map(points).collect()
+        let mut points = Vec::new();
+        for Segment { curve, .. } in &self.segments {
+            let count = if curve.is_straight() { 1 } else { per_curve };
+            points.extend((0..count).map(|i| curve.at_fraction(i as f64 / count as f64)));
+        }
+        points
     }
 
     /// The first two segments whose curves cross each other, if any do.
     pub fn crossing_segments(&self) -> Option<(usize, usize)> {
         // Chords of a twenty-fourth stay within 0.1 % of the length of any curve that is cut in cloth.
         const PER_CURVE: usize = 24;
-        let owner: Vec<usize> = (0..self.segments.len())
-            .flat_map(|k| std::iter::repeat_n(k, if self.segments[k].curve.is_straight() { 1 } else { PER_CURVE }))
-            .collect();
-        polygon_crossing(&self.polygon(PER_CURVE)).map(|(i, j)| (owner[i], owner[j]))
+        let mut owner: Vec<usize> = Vec::new();
+        let mut points: Vec<Vector2> = Vec::new();
+        for (k, segment) in self.segments.iter().enumerate() {
+            points.extend(segment.curve.sketch(PER_CURVE));
+            owner.resize(points.len(), k);
+        }
+        polygon_crossing(&points).map(|(i, j)| (owner[i], owner[j]))
     }
 }
