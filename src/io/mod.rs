@@ -18,9 +18,11 @@ pub mod picture;
 pub mod process;
 pub mod read;
 pub mod report;
+pub mod seams_toml;
 pub mod settings_toml;
 pub mod state;
 
+mod stretch_text;
 mod toml_keys;
 
 #[cfg(test)]

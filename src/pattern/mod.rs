@@ -7,8 +7,11 @@
 mod check;
 mod curve;
 mod fabric;
+pub mod sewing;
 #[cfg(test)]
 pub(crate) mod shapes;
+mod split;
+pub mod suggest;
 
 pub use curve::{Arc, Curve, Shape};
 pub use fabric::{Cut, Directional, Fabric, PRESETS, Preset, Quality};
