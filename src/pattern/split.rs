@@ -19,6 +19,9 @@ impl Curve {
     /// The pieces between cuts at fractions of the arc length, ascending and within (0, 1). Neighbours share
     /// their ends exactly; the first starts and the last ends exactly where the curve does.
     pub fn split(&self, cuts: &[f64]) -> Vec<Curve> {
+        if cuts.is_empty() {
+            return vec![self.clone()];
+        }
         let whole = self.length();
         let mut bounds = vec![(0.0, self.start)];
         bounds.extend(cuts.iter().map(|&f| (f, self.at_fraction(f))));

@@ -6,7 +6,7 @@
 
 mod directions;
 mod ease;
-mod evidence;
+pub(in crate::pattern) mod evidence;
 mod resolve;
 
 pub use directions::{Directions, find_directions};
@@ -156,7 +156,7 @@ pub fn check_overlaps(pattern: &Pattern, plans: &[SeamPlan]) -> Result<(), Error
 const SAMPLES: usize = 16;
 
 /// The segments of a pattern, measured once.
-pub(crate) struct Measured {
+pub struct Measured {
     /// Per panel and segment: its length, m.
     pub length: Vec<Vec<f64>>,
     /// Per panel and segment: points at `SAMPLES` even fractions, with both ends, m.
