@@ -28,6 +28,9 @@ pub enum Command {
     Compare(Compare),
     /// Tell everything that is wrong or doubtful with the input, before any solving
     Check(Check),
+    /// Propose seams, draw them, or tell how much longer one side is than the other
+    #[command(subcommand)]
+    Seams(super::seams::Seams),
 }
 
 #[derive(Args, Debug)]
@@ -53,6 +56,10 @@ pub struct Fit {
     /// Sewing patterns, GarmentCode JSON files; several are worn one over the other, the innermost first
     #[arg(required = true, value_name = "PATTERN")]
     pub patterns: Vec<PathBuf>,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes; of several patterns
+    /// one for each, in their order
+    #[arg(long, value_name = "FILE")]
+    pub seams: Vec<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: PathBuf,
@@ -72,6 +79,9 @@ pub struct Compare {
     /// Sewing pattern, a GarmentCode JSON file
     #[arg(required_unless_present = "replot")]
     pub pattern: Option<PathBuf>,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ", required_unless_present = "replot")]
     pub body: Option<PathBuf>,
@@ -113,6 +123,9 @@ pub struct Compare {
 pub struct Check {
     /// Sewing pattern, a GarmentCode JSON file
     pub pattern: PathBuf,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: Option<PathBuf>,

@@ -26,7 +26,7 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
     // What is wrong with the one file must not hide what is wrong with the other.
     let mut errors: Vec<Error> = Vec::new();
     let mut sound = |result: Result<_, Error>| result.map_err(|e| errors.push(e)).ok();
-    let opened = sound(PatternInput::open(&asked.pattern).and_then(|input| {
+    let opened = sound(PatternInput::open_sewn(&asked.pattern, asked.seams.as_deref()).and_then(|input| {
         let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
         built.map(|garment| (input, garment))
     }));

@@ -19,7 +19,19 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
-    let patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
+    if !asked.seams.is_empty() && asked.seams.len() != asked.patterns.len() {
+        let problem = format!("{} files of seams are given for {} patterns.", asked.seams.len(), asked.patterns.len());
+        return Err(Failure::Usage(
+            Error::new(problem, "Give one for each, in the order of the patterns.").within("--seams"),
+        ));
+    }
+    let seams = asked.seams.iter().map(|path| Some(path.as_path())).chain(std::iter::repeat(None));
+    let patterns: Vec<PatternInput> = asked
+        .patterns
+        .iter()
+        .zip(seams)
+        .map(|(p, seams)| PatternInput::open_sewn(p, seams))
+        .collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)

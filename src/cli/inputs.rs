@@ -5,7 +5,7 @@ use super::stopwatch::Moment;
 use super::{Failure, complaint};
 use crate::body::Body;
 use crate::io::report::Stage;
-use crate::io::{body_obj, fabric_toml, garmentcode, read, state};
+use crate::io::{body_obj, fabric_toml, garmentcode, read, seams_toml, state};
 use crate::pattern::{Fabric, Pattern};
 use crate::{Error, Warning};
 use std::path::Path;
@@ -16,11 +16,48 @@ pub struct PatternInput {
     /// The file, for messages.
     pub place: String,
     pub text: String,
+    /// The file of seams that it is sewn with, if one was given.
+    pub seams_text: Option<String>,
     pub sha256: String,
     pub warnings: Vec<Warning>,
 }
 
 impl PatternInput {
+    /// Reads a pattern file and sews it by a file of seams, if one is given.
+    pub fn open_sewn(path: &Path, seams: Option<&Path>) -> Result<Self, Error> {
+        let mut input = Self::open(path)?;
+        let Some(seams) = seams else { return Ok(input) };
+        let text = read::text(seams)?;
+        let within = |e: Error| e.within(seams.display());
+        let sewn = seams_toml::sew(&input.pattern, &text).map_err(within)?;
+        if !input.pattern.seams.is_empty() {
+            input.warnings.push(Warning(
+                Error::new(
+                    format!(
+                        "The {} seams of the pattern itself are left aside for those of this file.",
+                        input.pattern.seams.len()
+                    ),
+                    "Leave --seams out to sew the pattern's own.",
+                )
+                .within(seams.display()),
+            ));
+        }
+        for (panel, _) in input.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
+            input.warnings.push(Warning(
+                Error::new(
+                    "The panel is turned over, so that the right sides of all panels lie outside.",
+                    "If it is drawn right side up, look at the seams around it with `toile seams show`.",
+                )
+                .within(format!("panel \"{}\"", panel.name))
+                .within(seams.display()),
+            ));
+        }
+        input.warnings.extend(sewn.warnings.into_iter().map(|w| Warning(within(w.0))));
+        input.pattern = sewn.pattern;
+        input.seams_text = Some(text);
+        Ok(input)
+    }
+
     /// Reads a pattern file.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let place = path.display().to_string();
@@ -29,7 +66,8 @@ impl PatternInput {
 
     pub fn parse(text: String, name: &str, place: &str) -> Result<Self, Error> {
         let (pattern, warnings) = garmentcode::parse(&text, name)?;
-        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(text.as_bytes()), text, warnings })
+        let sha256 = read::sha256_hex(text.as_bytes());
+        Ok(Self { pattern, place: place.to_owned(), sha256, text, seams_text: None, warnings })
     }
 }
 

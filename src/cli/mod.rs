@@ -10,6 +10,7 @@ mod fit;
 mod inputs;
 mod progress;
 mod results;
+mod seams;
 mod stopwatch;
 
 use arguments::{Arguments, Command};
@@ -84,5 +85,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Fit(fit) => fit::run(fit),
         Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
+        Command::Seams(asked) => seams::run(asked),
     }
 }

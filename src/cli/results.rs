@@ -88,6 +88,7 @@ fn state_of(run: &Run) -> State {
         toile_version: env!("CARGO_PKG_VERSION").to_owned(),
         pattern_name: run.pattern.pattern.name.clone(),
         pattern_text: run.pattern.text.clone(),
+        seams_text: run.pattern.seams_text.clone(),
         pattern_sha256: run.pattern.sha256.clone(),
         body_name: run.body.name.clone(),
         body_sha256: run.body.sha256.clone(),

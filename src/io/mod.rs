@@ -18,6 +18,7 @@ pub mod picture;
 pub mod process;
 pub mod read;
 pub mod report;
+pub mod seams_svg;
 pub mod seams_toml;
 pub mod settings_toml;
 pub mod state;

@@ -4,7 +4,7 @@ use super::length;
 use super::stretch_text;
 use super::toml_keys::{Keys, quoted, remedy_for_key};
 use crate::Error;
-use crate::pattern::sewing::{Ease, SeamPlan, Stretch};
+use crate::pattern::sewing::{Ease, Resolved, SeamPlan, Stretch, resolve};
 use crate::pattern::suggest::Suggestion;
 use crate::pattern::{Pattern, Sense};
 
@@ -39,6 +39,11 @@ pub fn parse(text: &str, pattern: &Pattern) -> Result<Vec<SeamPlan>, Error> {
     }
     crate::pattern::sewing::check_overlaps(pattern, &plans)?;
     Ok(plans)
+}
+
+/// Sews a pattern by the text of its file of seams, instead of the seams it has.
+pub fn sew(pattern: &Pattern, text: &str) -> Result<Resolved, Error> {
+    resolve(pattern, &parse(text, pattern)?)
 }
 
 fn read_seam(keys: &Keys, line: &str, pattern: &Pattern) -> Result<SeamPlan, Error> {

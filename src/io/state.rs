@@ -14,7 +14,7 @@
 //! A reader skips tags that it does not know; whatever changes the meaning of a known one is a new
 //! version.
 
-use super::{fabric_toml, garmentcode, settings_toml};
+use super::{fabric_toml, garmentcode, seams_toml, settings_toml};
 use crate::Error;
 use crate::garment::Garment;
 use crate::geometry::Vector3;
@@ -29,6 +29,8 @@ pub struct State {
     pub pattern_name: String,
     /// The pattern file itself.
     pub pattern_text: String,
+    /// The file of seams that it was sewn with, if there was one.
+    pub seams_text: Option<String>,
     /// Hexadecimal, of the pattern file.
     pub pattern_sha256: String,
     pub body_name: String,
@@ -54,6 +56,7 @@ pub fn write(state: &State) -> Vec<u8> {
         toile_version,
         pattern_name,
         pattern_text,
+        seams_text,
         pattern_sha256,
         body_name,
         body_sha256,
@@ -64,7 +67,7 @@ pub fn write(state: &State) -> Vec<u8> {
     } = state;
     let (fabric, settings) = (fabric_toml::write(fabric), settings_toml::write(settings));
     let (positions, shifts) = (vector_bytes(positions), vector_bytes(shifts));
-    let sections: [(&[u8; 4], &[u8]); 10] = [
+    let mut sections: Vec<(&[u8; 4], &[u8])> = vec![
         (b"VERS", toile_version.as_bytes()),
         (b"NAME", pattern_name.as_bytes()),
         (b"PATT", pattern_text.as_bytes()),
@@ -76,6 +79,9 @@ pub fn write(state: &State) -> Vec<u8> {
         (b"POSI", &positions),
         (b"SHIF", &shifts),
     ];
+    if let Some(seams) = seams_text {
+        sections.push((b"SEAM", seams.as_bytes()));
+    }
     let length = HEADER_BYTES + sections.iter().map(|(_, bytes)| 12 + bytes.len()).sum::<usize>() + CHECKSUM_BYTES;
     let mut file = Vec::with_capacity(length);
     file.extend(MAGIC);
@@ -100,6 +106,7 @@ pub fn read(bytes: &[u8]) -> Result<State, Error> {
         toile_version: sections.text(b"VERS")?,
         pattern_name: sections.text(b"NAME")?,
         pattern_text: sections.text(b"PATT")?,
+        seams_text: if sections.has(b"SEAM") { Some(sections.text(b"SEAM")?) } else { None },
         pattern_sha256: sections.text(b"PSHA")?,
         body_name: sections.text(b"BODY")?,
         body_sha256: sections.text(b"BSHA")?,
@@ -114,6 +121,10 @@ impl State {
     /// The pattern and the garment that the positions belong to, built again.
     pub fn rebuild(&self) -> Result<(Pattern, Garment), Error> {
         let (pattern, _) = garmentcode::parse(&self.pattern_text, &self.pattern_name)?;
+        let pattern = match &self.seams_text {
+            Some(seams) => seams_toml::sew(&pattern, seams).map_err(|e| e.within("seams"))?.pattern,
+            None => pattern,
+        };
         let garment = Garment::build(&pattern, &self.settings.resolutions)?;
         let particles = garment.levels.last().map_or(0, |level| level.particle_count);
         if (particles, pattern.panels.len()) != (self.positions.len(), self.shifts.len()) {
@@ -216,6 +227,10 @@ impl<'b> Sections<'b> {
         text.map(str::to_owned).map_err(|_| damaged(format!("The section {} is not UTF-8.", tag.escape_ascii())))
     }
 
+    fn has(&self, tag: &[u8; 4]) -> bool {
+        self.0.iter().any(|(known, _)| known == tag)
+    }
+
     fn vectors(&self, tag: &[u8; 4]) -> Result<Vec<Vector3>, Error> {
         let bytes = self.bytes(tag)?;
         let (vectors, rest) = bytes.as_chunks::<24>();
@@ -250,6 +265,7 @@ mod tests {
             toile_version: "0.1.0".into(),
             pattern_name: "two panels".into(),
             pattern_text: TWO_PANELS.into(),
+            seams_text: None,
             pattern_sha256: sha256_hex(TWO_PANELS.as_bytes()),
             body_name: "ball".into(),
             body_sha256: sha256_hex(b"ball"),
