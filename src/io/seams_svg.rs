@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 /// Points of a curve.
 const PER_CURVE: usize = 24;
 /// Between panels, mm.
-const GAP: f64 = 45.0;
+const GAP: f64 = 75.0;
 const MARGIN: f64 = 40.0;
 
 /// Draws the panels and the seams of `plans`; millimetres, as drawn, y upwards.
@@ -55,26 +55,36 @@ fn bounds(panel: &Panel) -> [Vector2; 2] {
     points.iter().fold([first, first], |[low, high], p| [low.inf(p), high.sup(p)])
 }
 
-/// Places of the boxes' lower left corners on a sheet, mm, y downwards, row by row; and the size of the sheet.
+/// Places of the boxes' lower left corners on a sheet, mm, y downwards, row by row; and the size of the sheet. Of several
+/// widths the one that makes the smallest sheet of a form that fits a screen.
 fn shelves(boxes: &[[Vector2; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
     let size = |[low, high]: &[Vector2; 2]| [1e3 * (high.x - low.x), 1e3 * (high.y - low.y)];
     let area: f64 = boxes.iter().map(size).map(|[w, h]| (w + GAP) * (h + GAP)).sum();
     let widest = boxes.iter().map(|b| size(b)[0]).fold(0.0, f64::max);
-    let width = (1.35 * area).sqrt().max(widest);
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|&a, &b| size(&boxes[b])[1].total_cmp(&size(&boxes[a])[1]).then(a.cmp(&b)));
-    let mut places = vec![[0.0; 2]; boxes.len()];
-    let (mut x, mut y, mut row, mut used) = (0.0f64, 0.0, 0.0f64, 0.0f64);
-    for index in order {
-        let [w, h] = size(&boxes[index]);
-        if x > 0.0 && x + w > width {
-            (x, y, row) = (0.0, y + row + GAP, 0.0);
+    let packed = |width: f64| {
+        let mut places = vec![[0.0; 2]; boxes.len()];
+        let (mut x, mut y, mut row, mut used) = (0.0f64, 0.0, 0.0f64, 0.0f64);
+        for &index in &order {
+            let [w, h] = size(&boxes[index]);
+            if x > 0.0 && x + w > width {
+                (x, y, row) = (0.0, y + row + GAP, 0.0);
+            }
+            places[index] = [x, y + h];
+            (x, row) = (x + w + GAP, row.max(h));
+            used = used.max(x - GAP);
         }
-        places[index] = [x, y + h];
-        (x, row) = (x + w + GAP, row.max(h));
-        used = used.max(x - GAP);
-    }
-    (places, [used, y + row])
+        (places, [used, y + row])
+    };
+    let badness = |[w, h]: [f64; 2]| {
+        let form = if w > h { w / h } else { 1.4 * h / w };
+        w * h * form.max(1.8)
+    };
+    (8..=24)
+        .map(|k| packed((area * f64::from(k) / 8.0).sqrt().max(widest)))
+        .min_by(|a, b| badness(a.1).total_cmp(&badness(b.1)))
+        .expect("several widths are tried")
 }
 
 fn legend_columns(width: f64, size: f64) -> usize {
@@ -187,7 +197,8 @@ impl Canvas<'_> {
         let fraction = 0.5 * (part.from + part.to);
         let curve = &self.pattern.panels[part.id.panel].segments[part.id.segment].curve;
         let out = -self.inwards(part.id.panel, part.id.segment, fraction);
-        let [x, y] = self.at(part.id.panel, curve.at_fraction(fraction) + out * (0.95e-3 * self.size));
+        let [x, y] =
+            self.at(part.id.panel, curve.at_fraction(fraction) + out * ((0.95 + 0.4 * out.x.abs()) * 1e-3 * self.size));
         let name = format!("{}{}", number + 1, ["a", "b"][side]);
         let _ = writeln!(
             svg,

@@ -135,3 +135,49 @@ fn side_text(side: &[Stretch], pattern: &Pattern) -> String {
     let texts: Vec<String> = side.iter().map(|s| quoted(&stretch_text::write(s, pattern))).collect();
     if let [one] = texts.as_slice() { one.clone() } else { format!("[{}]", texts.join(", ")) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::shapes::two_rectangles;
+    use proptest::prelude::*;
+
+    #[test]
+    fn every_form_of_a_stretch_is_read_and_reads_back() {
+        let pattern = two_rectangles(0.2, 0.3);
+        let read = |text: &str| stretch_text::parse(text, &pattern).unwrap();
+        for (text, segments, from, to) in [
+            ("left:3", vec![3], 0.0, 1.0),
+            ("left: 3 + 0", vec![3, 0], 0.0, 1.0),
+            ("left:2..0", vec![2, 3, 0], 0.0, 1.0),
+            ("left:1 from 25 % to end", vec![1], 0.25, 1.0),
+            ("left:0 to 5 cm", vec![0], 0.0, 0.25),
+            ("left:1+2 from 6 cm to 50%", vec![1, 2], 0.2, 0.5),
+            ("left:corner 1 to corner 3", vec![1, 2], 0.0, 1.0),
+        ] {
+            let stretch = read(text);
+            assert_eq!(stretch.segments, segments, "{text}");
+            assert!((stretch.from - from).abs() < 1e-12 && (stretch.to - to).abs() < 1e-12, "{text}");
+            assert_eq!(read(&stretch_text::write(&stretch, &pattern)), stretch);
+        }
+        for text in [
+            "left",
+            "left:",
+            "left:1 to 90 % from 10 cm x",
+            "left:0 from 21 cm",
+            "left:1 from 60 % to 50 %",
+            "left:notch 0 to corner 1",
+        ] {
+            assert!(stretch_text::parse(text, &pattern).is_err(), "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_read_or_refused(text in "\\PC{0,60}", side in "(left|right|l):?[0-9+. a-z%]{0,20}") {
+            let pattern = two_rectangles(0.2, 0.3);
+            let _ = sew(&pattern, &text);
+            let _ = sew(&pattern, &format!("[[seam]]\nsides = [{}, \"right:3\"]", quoted(&side)));
+        }
+    }
+}
