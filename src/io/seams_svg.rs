@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 /// Points of a curve.
 const PER_CURVE: usize = 24;
 /// Between panels, mm.
-const GAP: f64 = 75.0;
+const GAP: f64 = 95.0;
 const MARGIN: f64 = 40.0;
 
 /// Draws the panels and the seams of `plans`; millimetres, as drawn, y upwards.
@@ -31,7 +31,12 @@ pub fn draw(pattern: &Pattern, plans: &[SeamPlan]) -> String {
     for (number, plan) in plans.iter().enumerate() {
         for (side, stretches) in plan.sides.iter().enumerate() {
             for stretch in stretches {
-                canvas.stretch(&mut svg, stretch, number, side);
+                let name = if is_dart(plan, pattern) {
+                    (side == 0).then(|| format!("{}", number + 1))
+                } else {
+                    Some(format!("{}{}", number + 1, ["a", "b"][side]))
+                };
+                canvas.stretch(&mut svg, stretch, number, name.as_deref());
             }
         }
     }
@@ -41,6 +46,14 @@ pub fn draw(pattern: &Pattern, plans: &[SeamPlan]) -> String {
     canvas.legend(&mut svg, plans, [width, height]);
     svg += "</svg>\n";
     svg
+}
+
+/// A seam between neighbours on one panel: its sides lie so near that one name does for both.
+fn is_dart(plan: &SeamPlan, pattern: &Pattern) -> bool {
+    let [[a], [b]] = [&plan.sides[0][..], &plan.sides[1][..]] else { return false };
+    let count = pattern.panels[a.panel].segments.len();
+    let ends = |s: &Stretch| [s.segments[0], (s.segments[s.segments.len() - 1] + 1) % count];
+    a.panel == b.panel && (ends(a)[1] == ends(b)[0] || ends(b)[1] == ends(a)[0])
 }
 
 /// Colors far from each other, one after the other: hues by the golden angle, in three lightnesses.
@@ -172,13 +185,14 @@ impl Canvas<'_> {
         let _ = writeln!(
             svg,
             "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" font-size=\"{:.1}\" font-weight=\"bold\" fill=\"#333\">{}</text>",
-            1.25 * self.size,
+            // Letters are about six tenths as wide as high.
+            (1.25 * self.size).min(0.65e3 * (high.x - low.x) / (0.6 * panel.name.chars().count().max(1) as f64)),
             escaped(&panel.name)
         );
     }
 
     /// A sewn stretch, with its seam's number and an arrow along the outline.
-    fn stretch(&self, svg: &mut String, stretch: &Stretch, number: usize, side: usize) {
+    fn stretch(&self, svg: &mut String, stretch: &Stretch, number: usize, name: Option<&str>) {
         let color = color(number);
         for part in stretch.parts() {
             let curve = &self.pattern.panels[part.id.panel].segments[part.id.segment].curve;
@@ -192,6 +206,7 @@ impl Canvas<'_> {
                 0.32 * self.size
             );
         }
+        let Some(name) = name else { return };
         let parts = stretch.parts();
         let part = parts[parts.len() / 2];
         let fraction = 0.5 * (part.from + part.to);
@@ -199,7 +214,6 @@ impl Canvas<'_> {
         let out = -self.inwards(part.id.panel, part.id.segment, fraction);
         let [x, y] =
             self.at(part.id.panel, curve.at_fraction(fraction) + out * ((0.95 + 0.4 * out.x.abs()) * 1e-3 * self.size));
-        let name = format!("{}{}", number + 1, ["a", "b"][side]);
         let _ = writeln!(
             svg,
             "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"{color}\" font-weight=\"bold\" font-size=\"{:.1}\">{name}</text>",
