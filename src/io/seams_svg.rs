@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 const PER_CURVE: usize = 24;
 /// Between panels, mm.
 const GAP: f64 = 95.0;
-const MARGIN: f64 = 40.0;
+const MARGIN: f64 = 75.0;
 
 /// Draws the panels and the seams of `plans`; millimetres, as drawn, y upwards.
 pub fn draw(pattern: &Pattern, plans: &[SeamPlan]) -> String {

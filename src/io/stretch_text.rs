@@ -39,7 +39,7 @@ pub fn parse(text: &str, pattern: &Pattern) -> Result<Stretch, Error> {
 fn split<'t>(text: &'t str, pattern: &Pattern) -> Option<(&'t str, &'t str)> {
     let known = |name: &str| pattern.panels.iter().any(|panel| panel.name == name);
     let parts = || text.match_indices(':').map(|(at, _)| (text[..at].trim(), text[at + 1..].trim()));
-    parts().find(|(name, _)| known(name)).or_else(|| parts().last())
+    parts().find(|(name, _)| known(name)).or_else(|| parts().next_back())
 }
 
 fn cut(text: &str) -> String {

@@ -20,7 +20,7 @@ impl Curve {
     /// their ends exactly; the first starts and the last ends exactly where the curve does.
     pub fn split(&self, cuts: &[f64]) -> Vec<Curve> {
         if cuts.is_empty() {
-            return vec![self.clone()];
+            return std::slice::from_ref(self).to_vec();
         }
         let whole = self.length();
         let mut bounds = vec![(0.0, self.start)];
