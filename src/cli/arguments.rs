@@ -36,6 +36,9 @@ pub enum Command {
     Body(Body),
     /// Write a pattern of any kind in the format of toile, which holds all of it
     Convert(Convert),
+    /// Propose seams, draw them, or tell how much longer one side is than the other
+    #[command(subcommand)]
+    Seams(super::seams::Seams),
 }
 
 /// How to read what a drawing leaves open.
@@ -91,6 +94,10 @@ pub struct Fit {
     /// Sewing patterns: GarmentCode, or toile's own; several are worn one over the other, the innermost first
     #[arg(required = true, value_name = "PATTERN")]
     pub patterns: Vec<PathBuf>,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes; of several patterns
+    /// one for each, in their order
+    #[arg(long, value_name = "FILE")]
+    pub seams: Vec<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: PathBuf,
@@ -115,6 +122,9 @@ pub struct Compare {
     /// Sewing pattern: GarmentCode, or toile's own
     #[arg(required_unless_present = "replot")]
     pub pattern: Option<PathBuf>,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ", required_unless_present = "replot")]
     pub body: Option<PathBuf>,
@@ -163,6 +173,9 @@ pub struct Check {
     pub pattern: PathBuf,
     #[command(flatten)]
     pub reading: Reading,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: Option<PathBuf>,

@@ -27,7 +27,7 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
     let mut errors: Vec<Error> = Vec::new();
     let mut sound = |result: Result<_, Error>| result.map_err(|e| errors.push(e)).ok();
     let options = asked.reading.options()?;
-    let opened = sound(PatternInput::open(&asked.pattern, &options).and_then(|input| {
+    let opened = sound(PatternInput::open_sewn(&asked.pattern, asked.seams.as_deref(), &options).and_then(|input| {
         let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
         built.map(|garment| (input, garment))
     }));

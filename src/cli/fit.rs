@@ -12,7 +12,7 @@ use crate::minimize::Termination;
 use crate::pattern::{Fabric, Pattern};
 use crate::prepositioning::{Outcome, Outfit, Settings, preposition_outfit};
 use crate::{Error, Warning};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 pub fn run(asked: &Fit) -> Result<Status, Failure> {
@@ -20,8 +20,19 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
     let options = asked.reading.options()?;
-    let open = |path: &PathBuf| PatternInput::open(path, &options)?.for_fitting();
-    let patterns: Vec<PatternInput> = asked.patterns.iter().map(open).collect::<Result<_, _>>()?;
+    if !asked.seams.is_empty() && asked.seams.len() != asked.patterns.len() {
+        let problem = format!("{} files of seams are given for {} patterns.", asked.seams.len(), asked.patterns.len());
+        return Err(Failure::Usage(
+            Error::new(problem, "Give one for each, in the order of the patterns.").within("--seams"),
+        ));
+    }
+    let seams = asked.seams.iter().map(|path| Some(path.as_path())).chain(std::iter::repeat(None));
+    let patterns: Vec<PatternInput> = asked
+        .patterns
+        .iter()
+        .zip(seams)
+        .map(|(path, seams)| PatternInput::open_sewn(path, seams, &options)?.for_fitting())
+        .collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body, asked.align)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)

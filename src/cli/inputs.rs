@@ -7,7 +7,7 @@ use crate::arrangement::check_placed;
 use crate::body::{Alignment, Body};
 use crate::geometry::Vector3;
 use crate::io::report::Stage;
-use crate::io::{body_obj, dxf, fabric_toml, pattern_file, read, state};
+use crate::io::{body_obj, dxf, fabric_toml, pattern_file, read, seams_toml, state};
 use crate::pattern::{Fabric, Pattern};
 use crate::{Error, Warning};
 use std::path::Path;
@@ -23,6 +23,40 @@ pub struct PatternInput {
 }
 
 impl PatternInput {
+    /// Reads a pattern file and sews it by a file of seams, if one is given.
+    pub fn open_sewn(path: &Path, seams: Option<&Path>, options: &dxf::Options) -> Result<Self, Error> {
+        let mut input = Self::open(path, options)?;
+        let Some(seams) = seams else { return Ok(input) };
+        let text = read::text(seams)?;
+        let within = |e: Error| e.within(seams.display());
+        let sewn = seams_toml::sew(&input.pattern, &text).map_err(within)?;
+        if !input.pattern.seams.is_empty() {
+            input.warnings.push(Warning(
+                Error::new(
+                    format!(
+                        "The {} seams of the pattern itself are left aside for those of this file.",
+                        input.pattern.seams.len()
+                    ),
+                    "Leave --seams out to sew the pattern's own.",
+                )
+                .within(seams.display()),
+            ));
+        }
+        for (panel, _) in input.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
+            input.warnings.push(Warning(
+                Error::new(
+                    "The panel is turned over, so that the right sides of all panels lie outside.",
+                    "If it is drawn right side up, look at the seams around it with `toile seams show`.",
+                )
+                .within(format!("panel \"{}\"", panel.name))
+                .within(seams.display()),
+            ));
+        }
+        input.warnings.extend(sewn.warnings.into_iter().map(|w| Warning(within(w.0))));
+        input.pattern = sewn.pattern;
+        Ok(input)
+    }
+
     /// Reads a pattern file of any kind.
     pub fn open(path: &Path, options: &dxf::Options) -> Result<Self, Error> {
         let place = path.display().to_string();

@@ -13,6 +13,7 @@ mod fit;
 mod inputs;
 mod progress;
 mod results;
+mod seams;
 mod simulate;
 mod simulation_results;
 mod stopwatch;
@@ -93,5 +94,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Simulate(simulate) => simulate::run(simulate),
         Command::Body(body) => body::run(body),
         Command::Convert(convert) => convert::run(convert),
+        Command::Seams(asked) => seams::run(asked),
     }
 }

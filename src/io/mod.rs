@@ -26,11 +26,14 @@ pub mod picture;
 pub mod process;
 pub mod read;
 pub mod report;
+pub mod seams_svg;
+pub mod seams_toml;
 pub mod settings_toml;
 pub mod simulation_report;
 pub mod state;
 pub mod toile_pattern;
 
+mod stretch_text;
 mod toml_keys;
 
 #[cfg(test)]

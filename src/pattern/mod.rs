@@ -9,9 +9,12 @@ mod curve;
 mod fabric;
 mod motion;
 mod path;
+pub mod sewing;
 #[cfg(test)]
 pub(crate) mod shapes;
 mod spline;
+mod split;
+pub mod suggest;
 
 pub use curve::{Arc, Curve, Shape};
 pub use fabric::{Cut, Directional, Fabric, PRESETS, Preset, Quality};

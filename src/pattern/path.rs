@@ -97,6 +97,36 @@ impl Path {
         (fraction, our_point(self.piece(k).eval(t)))
     }
 
+    /// The part between two fractions of the arc length, the first the smaller one.
+    pub fn between(&self, from: f64, to: f64) -> Self {
+        let lengths = self.lengths();
+        let (start, end) = (from.max(0.0) * self.length(), to.min(1.0) * self.length());
+        let mut points = vec![self.at_fraction(from.max(0.0))];
+        for k in 0..self.piece_count() {
+            let (low, high) = (start.max(lengths[k]), end.min(lengths[k + 1]));
+            if high - low <= LENGTH_ACCURACY {
+                continue;
+            }
+            let piece = self.piece(k);
+            let at = |length: f64| match length - lengths[k] {
+                l if l <= 0.0 => 0.0,
+                _ if length >= lengths[k + 1] => 1.0,
+                l => piece.inv_arclen(l, LENGTH_ACCURACY),
+            };
+            let part = piece.subsegment(at(low)..at(high));
+            points.extend([part.p1, part.p2, part.p3].map(our_point));
+        }
+        if points.len() == 1 {
+            // Nothing of any length.
+            points.extend([self.at_fraction(to.min(1.0)); 3]);
+        }
+        // Where it ends is asked for by fraction elsewhere; the two are to be one place.
+        if let Some(last) = points.last_mut() {
+            *last = self.at_fraction(to.min(1.0));
+        }
+        Self::new(points).expect("three points for each piece and one more")
+    }
+
     /// From the end to the start.
     pub fn reversed(&self) -> Self {
         let points = self.points().iter().rev().copied().collect();
