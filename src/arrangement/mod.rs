@@ -10,6 +10,7 @@
 
 mod motion;
 mod openings;
+pub mod placing;
 
 use crate::Error;
 use crate::body::{Body, DistanceField};
@@ -453,7 +454,7 @@ mod tests {
         let corners = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.4], [-0.2, 0.4]].map(Vector2::from);
         let segments =
             (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None }).collect();
-        let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::new(0.0, y, z) };
+        let placement = Placement::flat(nalgebra::Rotation3::identity(), Vector3::new(0.0, y, z));
         Panel::new(name, segments).at(placement)
     }
 

@@ -223,7 +223,7 @@ fn read_panel(name: &str, raw: &RawPanel, unit: &Unit, warnings: &mut Vec<Warnin
     // angles it writes (docs/formats.md).
     let rotation = Rotation3::from_euler_angles(a, b, c);
     let translation = Vector3::from(raw.translation) * unit.metres;
-    Ok(Panel { part, ..Panel::new(name, segments).at(Placement { rotation, translation }) })
+    Ok(Panel { part, ..Panel::new(name, segments).at(Placement::flat(rotation, translation)) })
 }
 
 /// The edges must form one loop: each starts at the vertex where the one before ended.

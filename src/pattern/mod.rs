@@ -76,18 +76,55 @@ pub struct Segment {
     pub label: Option<SegmentLabel>,
 }
 
-/// Where a flat panel starts: `world = rotation * (x, y, 0) + translation`.
+/// Where a panel starts: flat, `world = rotation * (x, y, 0) + translation`, or bent before that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     pub rotation: Rotation3<f64>,
     /// m.
     pub translation: Vector3,
+    /// None for a flat panel.
+    pub bend: Option<Bend>,
+}
+
+/// A panel rolled around a cylinder that touches it along a line: no length on it changes.
+///
+/// ```text
+///        along                       across --> _______ line        radius > 0: the axis of the cylinder lies
+///          ^    the line of touch             /         \           at the panel's -z, its +z faces outward;
+///          |                                 |     o     |          radius < 0: the other way round
+///          origin --> across                  \  axis   /
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    /// A point of the line along which the flat panel and the cylinder touch, m, panel coordinates.
+    pub origin: Vector2,
+    /// Unit vector along that line, panel coordinates.
+    pub along: Vector2,
+    /// m, not zero.
+    pub radius: f64,
+}
+
+impl Bend {
+    /// Where a point of the panel comes to lie in the panel's own frame, m.
+    pub fn bend(&self, point: Vector2) -> Vector3 {
+        let across = Vector2::new(self.along.y, -self.along.x);
+        let from = point - self.origin;
+        let (sin, cos) = (from.dot(&across) / self.radius).sin_cos();
+        let flat = self.origin + self.along * from.dot(&self.along) + across * (self.radius * sin);
+        Vector3::new(flat.x, flat.y, self.radius * (cos - 1.0))
+    }
 }
 
 impl Placement {
+    /// A panel that stays flat.
+    pub fn flat(rotation: Rotation3<f64>, translation: Vector3) -> Self {
+        Self { rotation, translation, bend: None }
+    }
+
     /// Where a point of the panel starts in the world.
     pub fn place(&self, point: Vector2) -> Vector3 {
-        self.rotation * Vector3::new(point.x, point.y, 0.0) + self.translation
+        let in_panel = self.bend.map_or(Vector3::new(point.x, point.y, 0.0), |bend| bend.bend(point));
+        self.rotation * in_panel + self.translation
     }
 }
 
@@ -196,7 +233,8 @@ impl Panel {
         self.segments.iter().map(|s| s.curve.length()).sum()
     }
 
-    /// Unit normal of the right side of the fabric at its start, in the world. The panel has a placement.
+    /// Unit normal of the right side of the fabric at its start, in the world; of a bent panel that along the line where
+    /// it touches its cylinder. The panel has a placement.
     pub fn outward_normal(&self) -> Vector3 {
         self.start().rotation * Vector3::new(0.0, 0.0, self.signed_area().signum())
     }
