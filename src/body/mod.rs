@@ -1,14 +1,19 @@
 //! The body: the closed surface to dress, and how far a point is from it.
 
+mod alignment;
 mod distance_field;
 mod dressed;
+mod landmarks;
 pub mod mannequin;
+pub mod section;
 mod skin;
 mod validate;
 mod winding;
 
+pub use alignment::Alignment;
 pub use distance_field::{DistanceField, STEEPEST, Sample};
 pub use dressed::Enclosure;
+pub use landmarks::{Landmarks, Limb, Part};
 
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};
 use crate::{Error, Warning};
