@@ -101,6 +101,13 @@ pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
 /// Was the pattern placed around this body? Panels may start a metre in front of it; their middle,
 /// however, is where the body is.
 pub fn check_placement(pattern: &Pattern, body: &Body) -> Result<(), Error> {
+    if let Some(panel) = pattern.panels.iter().find(|panel| panel.placement.is_none()) {
+        return Err(Error::new(
+            "The panel has no placement.",
+            "Give all panels one, or have them placed by themselves: `--place auto`.",
+        )
+        .within(format!("panel \"{}\"", panel.name)));
+    }
     let (low, high) = body.bounds();
     let (mut middle, mut area) = (Vector3::zeros(), 0.0);
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);

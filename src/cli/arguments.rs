@@ -28,6 +28,46 @@ pub enum Command {
     Compare(Compare),
     /// Tell everything that is wrong or doubtful with the input, before any solving
     Check(Check),
+    /// Place the panels of a pattern around a body, and write where, ready to be changed
+    Place(Place),
+}
+
+/// Where panels start.
+#[derive(Args, Debug, Default)]
+pub struct Placing {
+    /// Where panels start: as the pattern has them, or placed by themselves [default: by themselves where the pattern
+    /// does not place all]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub place: Option<PlaceBy>,
+    /// Arrangement file (TOML): where single panels are to start; all others are placed by themselves
+    #[arg(long, value_name = "FILE")]
+    pub arrangement: Option<PathBuf>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaceBy {
+    /// By seams, names and the landmarks of the body
+    Auto,
+    /// As the pattern has it
+    Pattern,
+}
+
+#[derive(Args, Debug)]
+pub struct Place {
+    /// Sewing pattern, a GarmentCode JSON file; its own placement is left aside
+    pub pattern: PathBuf,
+    /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
+    #[arg(long, value_name = "OBJ")]
+    pub body: PathBuf,
+    /// Arrangement file to write (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Picture of the panels around the body before anything is sewn, to write (PNG)
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Arrangement file (TOML) to begin with: what it asks for is kept
+    #[arg(long, value_name = "FILE")]
+    pub arrangement: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -63,6 +103,8 @@ pub struct Fit {
     /// Folder for the results, made if it is not there; of several garments each has a folder in it
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub placing: Placing,
     #[command(flatten)]
     pub solving: Solving,
 }
@@ -122,6 +164,8 @@ pub struct Check {
     /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
     #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
     pub levels: Option<String>,
+    #[command(flatten)]
+    pub placing: Placing,
 }
 
 /// How to solve; what is not given is taken from the settings file, or else has its default.

@@ -4,6 +4,7 @@
 //! panels stand to the body. Findings go to the standard output stream.
 
 use super::arguments::Check;
+use super::place::place_all;
 use super::inputs::{BodyInput, PatternInput};
 use super::{Failure, Status, complaint};
 use crate::arrangement::{Care, arrange, check_placement, placed};
@@ -37,7 +38,13 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
             None
         }
     };
-    if let (Some((input, _)), Some(body)) = (&opened, &body)
+    let mut opened = opened;
+    if let (Some((input, _)), Some(body)) = (&mut opened, &body)
+        && let Err(Failure::Input(e) | Failure::Usage(e)) =
+            place_all(std::slice::from_mut(input), body, &asked.placing, true)
+    {
+        errors.push(e);
+    } else if let (Some((input, _)), Some(body)) = (&opened, &body)
         && let Err(e) = check_placement(&input.pattern, &body.body)
     {
         errors.push(e.within(&input.place));

@@ -1,6 +1,7 @@
 //! `toile fit`: patterns, a body, and the folder that holds the fitted garments afterwards.
 
 use super::arguments::{Fit, Progress, Solving, wants_equilibrium};
+use super::place::place_all;
 use super::inputs::{BodyInput, PatternInput, fabrics, settings_text, tell};
 use super::progress::Watcher;
 use super::stopwatch::Stopwatch;
@@ -19,9 +20,11 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
-    let patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
+    let mut patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
+    let silent = asked.solving.progress == Progress::None;
+    place_all(&mut patterns, &body, &asked.placing, silent)?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)
 }
 

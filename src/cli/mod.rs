@@ -8,6 +8,7 @@ mod complaint;
 mod demo;
 mod fit;
 mod inputs;
+mod place;
 mod progress;
 mod results;
 mod stopwatch;
@@ -84,5 +85,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Fit(fit) => fit::run(fit),
         Command::Compare(compare) => compare::run(compare),
         Command::Check(check) => check::run(check),
+        Command::Place(asked) => place::run(asked),
     }
 }

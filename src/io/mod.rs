@@ -4,6 +4,7 @@
 //! [`atomic`] touch a disk, and only [`process`] asks the machine. `docs/formats.md` describes the
 //! formats themselves.
 
+pub mod arrangement_toml;
 pub mod atomic;
 pub mod body_obj;
 pub mod comparison;
