@@ -4,8 +4,8 @@
 //! panels stand to the body. Findings go to the standard output stream.
 
 use super::arguments::Check;
-use super::place::place_all;
 use super::inputs::{BodyInput, PatternInput};
+use super::place::place_all;
 use super::{Failure, Status, complaint};
 use crate::arrangement::{Care, arrange, check_placement, placed};
 use crate::garment::Garment;

@@ -1,8 +1,8 @@
 //! `toile fit`: patterns, a body, and the folder that holds the fitted garments afterwards.
 
 use super::arguments::{Fit, Progress, Solving, wants_equilibrium};
-use super::place::place_all;
 use super::inputs::{BodyInput, PatternInput, fabrics, settings_text, tell};
+use super::place::place_all;
 use super::progress::Watcher;
 use super::stopwatch::Stopwatch;
 use super::{Failure, Status, complaint, results};
@@ -20,7 +20,8 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
-    let mut patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
+    let mut patterns: Vec<PatternInput> =
+        asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
     let silent = asked.solving.progress == Progress::None;

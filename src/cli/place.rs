@@ -38,8 +38,11 @@ pub fn place_all(
 ) -> Result<(), Failure> {
     if let (Some(file), [_, _, ..]) = (&asked.arrangement, &*patterns) {
         return Err(Failure::Usage(
-            Error::new("One arrangement file cannot be for several patterns.", "Fit the garments one after the other, with --over.")
-                .within(file.display()),
+            Error::new(
+                "One arrangement file cannot be for several patterns.",
+                "Fit the garments one after the other, with --over.",
+            )
+            .within(file.display()),
         ));
     }
     for input in patterns {
@@ -69,10 +72,15 @@ fn place_one(input: &mut PatternInput, body: &BodyInput, overrides: &[Option<Ove
 
 /// A line for each panel.
 fn told(input: &PatternInput, report: &Report) -> String {
-    let mut text = format!("{}: panels placed by themselves; seams close over {:.0} mm on average\n", input.pattern.name, report.mean_gap * 1e3);
+    let mut text = format!(
+        "{}: panels placed by themselves; seams close over {:.0} mm on average\n",
+        input.pattern.name,
+        report.mean_gap * 1e3
+    );
     for placed in &report.panels {
         let stands = &placed.stands;
-        let bent = stands.bend.map_or_else(String::new, |radius| format!(", bent to a radius of {:.0} mm", radius * 1e3));
+        let bent =
+            stands.bend.map_or_else(String::new, |radius| format!(", bent to a radius of {:.0} mm", radius * 1e3));
         text += &format!(
             "  {}: {}, {:.2} m above the floor, faces {}{bent}\n",
             input.pattern.panels[placed.panel].name,

@@ -6,8 +6,8 @@ use crate::Error;
 use crate::arrangement::placing::{Limb, Override, Report};
 use crate::pattern::Pattern;
 use std::fmt::Write as _;
-use toml::de::{DeTable, DeValue};
 use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 const KEYS: [&str; 7] = ["part", "height", "aside", "angle", "turn", "distance", "bend"];
 const PARTS: [Limb; 6] = [Limb::Torso, Limb::Head, Limb::Arm(0), Limb::Arm(1), Limb::Leg(0), Limb::Leg(1)];
@@ -49,7 +49,8 @@ pub fn parse(text: &str, pattern: &Pattern) -> Result<Vec<Option<Override>>, Err
                 let remedy = "Write `[panel.\"NAME\"]` and below it one `key = value` a line.";
                 return Err(Error::new(format!("{} is no table.", quoted(name.get_ref())), remedy).within(at()));
             };
-            overrides[panel] = Some(panel_override(text, keys).map_err(|e| e.within(format!("panel \"{}\"", names[panel])))?);
+            overrides[panel] =
+                Some(panel_override(text, keys).map_err(|e| e.within(format!("panel \"{}\"", names[panel])))?);
         }
     }
     Ok(overrides)
@@ -77,7 +78,9 @@ fn panel_override(text: &str, keys: &DeTable) -> Result<Override, Error> {
                 _ => None,
             };
             let sensible = number.filter(|n| n.abs() <= MOST_DEGREES);
-            sensible.map(f64::to_radians).ok_or_else(|| slip("is no angle", "Give degrees from -360 to 360, without quotes."))
+            sensible
+                .map(f64::to_radians)
+                .ok_or_else(|| slip("is no angle", "Give degrees from -360 to 360, without quotes."))
         };
         let metres = || words().and_then(|text| signed(text));
         let set = |asked: &mut Override| -> Result<(), Error> {
@@ -110,9 +113,10 @@ fn panel_override(text: &str, keys: &DeTable) -> Result<Override, Error> {
 
 fn part(word: &str) -> Result<Limb, Error> {
     let known = PARTS.map(Limb::name);
-    PARTS.into_iter().find(|limb| limb.name() == word).ok_or_else(|| {
-        Error::new(format!("The part {} is not known.", quoted(word)), remedy_for_key(word, &known))
-    })
+    PARTS
+        .into_iter()
+        .find(|limb| limb.name() == word)
+        .ok_or_else(|| Error::new(format!("The part {} is not known.", quoted(word)), remedy_for_key(word, &known)))
 }
 
 /// A length with its unit and its sign, m.
@@ -136,7 +140,12 @@ pub fn write(pattern: &Pattern, report: &Report) -> String {
     );
     for placed in &report.panels {
         let stands = &placed.stands;
-        let _ = write!(text, "\n[panel.{}]\n# part = \"{}\"\n", quoted(&pattern.panels[placed.panel].name), placed.limb.name());
+        let _ = write!(
+            text,
+            "\n[panel.{}]\n# part = \"{}\"\n",
+            quoted(&pattern.panels[placed.panel].name),
+            placed.limb.name()
+        );
         let mut length = |key: &str, metres: Option<f64>| {
             if let Some(metres) = metres {
                 let _ = writeln!(text, "# {key} = \"{:.3} m\"", metres + 0.0);
@@ -155,4 +164,56 @@ pub fn write(pattern: &Pattern, report: &Report) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::shapes;
+
+    fn pattern() -> Pattern {
+        let mut pattern = shapes::two_rectangles(0.2, 0.3);
+        pattern.panels[0].name = "left_sleeve".into();
+        pattern.panels[1].name = "front \"2\"".into();
+        pattern
+    }
+
+    #[test]
+    fn the_example_of_the_documentation_reads() {
+        let example =
+            include_str!("../../docs/formats.md").split("```").filter_map(|b| b.strip_prefix("toml\n")).nth(2).unwrap();
+        let read = parse(example, &pattern()).unwrap();
+        let asked = read[0].unwrap();
+        assert_eq!((asked.limb, asked.bend, asked.turn), (Some(Limb::Arm(0)), Some(0.08), Some(0.0)));
+        assert!((asked.angle.unwrap() - std::f64::consts::FRAC_PI_2).abs() < 1e-15 && read[1].is_none());
+    }
+
+    #[test]
+    fn slips_are_told_with_their_line_and_what_would_be_right() {
+        for (text, place, hint) in [
+            ("[panel.\"left_sleve\"]", "line 1", "left_sleeve"),
+            ("\n[panels.front]", "line 2", "[panel."),
+            ("panel = 3", "line 1", "[panel."),
+            ("[panel]\nleft_sleeve = 2", "line 2", "key = value"),
+            ("[panel.left_sleeve]\nhight = \"1 m\"", "panel \"left_sleeve\", line 2", "height"),
+            ("[panel.left_sleeve]\nheight = 1", "panel \"left_sleeve\", line 2", "quotes"),
+            ("[panel.left_sleeve]\nheight = \"900 m\"", "panel \"left_sleeve\", line 2", "5 m"),
+            ("[panel.left_sleeve]\nangle = \"90\"", "panel \"left_sleeve\", line 2", "without quotes"),
+            ("[panel.left_sleeve]\nangle = 900", "panel \"left_sleeve\", line 2", "360"),
+            ("[panel.left_sleeve]\npart = \"left armm\"", "panel \"left_sleeve\", line 2", "left arm"),
+            ("[panel.left_sleeve]\nbend = \"1 mm\"", "panel \"left_sleeve\", line 2", "flat"),
+            ("[panel.left_sleeve", "line 1", "[panel."),
+        ] {
+            let error = parse(text, &pattern()).unwrap_err();
+            assert_eq!(error.place(), place, "{text}: {error}");
+            assert!(error.remedy().contains(hint), "{text}: {}", error.remedy());
+        }
+    }
+
+    #[test]
+    fn lengths_have_signs_and_a_bend_may_be_flat() {
+        let text = "[panel.\"front \\\"2\\\"\"]\naside = \"-12 cm\"\nbend = \"flat\"\nheight = \"0 m\"";
+        let asked = parse(text, &pattern()).unwrap()[1].unwrap();
+        assert_eq!((asked.aside, asked.bend, asked.height), (Some(-0.12), Some(f64::INFINITY), Some(0.0)));
+    }
 }

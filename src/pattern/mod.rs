@@ -259,3 +259,31 @@ impl Panel {
         polygon_crossing(&self.polygon(PER_CURVE)).map(|(i, j)| (owner[i], owner[j]))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bending_keeps_lengths_and_brings_the_right_side_outside() {
+        for radius in [0.1, -0.1] {
+            let along = Vector2::new(0.6, 0.8);
+            let bend = Bend { origin: Vector2::new(0.3, -0.2), along, radius };
+            let axis = Vector3::new(0.3, -0.2, -radius);
+            let along_3d = Vector3::new(along.x, along.y, 0.0);
+            for k in 0..40 {
+                let point = Vector2::new(0.3 + 0.01 * f64::from(k), 0.02 * f64::from(k) - 0.5);
+                let off = bend.bend(point) - axis;
+                let from_axis = off - along_3d * off.dot(&along_3d);
+                assert!((from_axis.norm() - 0.1).abs() < 1e-12, "all points lie on the cylinder");
+                let step = 1e-6;
+                let along_x = (bend.bend(point + Vector2::x() * step) - bend.bend(point)) / step;
+                let along_y = (bend.bend(point + Vector2::y() * step) - bend.bend(point)) / step;
+                assert!((along_x.norm() - 1.0).abs() < 1e-4 && along_x.dot(&along_y).abs() < 1e-4, "no length changes");
+                // The panel's +z faces away from the axis where the radius is positive.
+                assert!(along_x.cross(&along_y).dot(&from_axis) * radius > 0.0);
+            }
+            assert_eq!(bend.bend(bend.origin), Vector3::new(0.3, -0.2, 0.0));
+        }
+    }
+}

@@ -23,7 +23,13 @@ const SHORTEST_WAY: f64 = 0.05;
 const PHASES: usize = 72;
 
 /// Maps a piece around the body.
-pub fn draft(surface: &Surface, hints: &[Hints], figure: &Figure, piece: usize, openings: Vec<(usize, Opening)>) -> Draft {
+pub fn draft(
+    surface: &Surface,
+    hints: &[Hints],
+    figure: &Figure,
+    piece: usize,
+    openings: Vec<(usize, Opening)>,
+) -> Draft {
     let find = |opening: Opening| openings.iter().find(|(_, o)| *o == opening).map(|(rim, _)| *rim);
     let mut draft = match (find(Opening::Top), find(Opening::Hem)) {
         (Some(top), Some(hem)) => {

@@ -19,7 +19,7 @@ const REST: f64 = 1e-9;
 const TOLERANCE: f64 = 1e-11;
 const MOST_ITERATIONS: usize = 4000;
 
-/// The places of all particles, m, that minimize `Σ edges |xᵢ − xⱼ|² + Σ pins HOLD n |mean − place|²` (theory, equation 21).
+/// The places of all particles, m, that minimize `Σ edges |xᵢ − xⱼ|² + Σ pins HOLD n |mean − place|²` (theory, equation 22).
 pub fn harmonic(surface: &Surface, pins: &[Pin]) -> Vec<Vector3> {
     let count = surface.neighbors.len();
     let of_axis = |axis: usize| {

@@ -330,9 +330,12 @@ fn stagger(pattern: &Pattern, stances: &[Stance], moves: &mut [Vector3]) {
         while tries < MOST_STAGGERS
             && order[..n].iter().any(|&other| {
                 let alike = stances[k].face.dot(&stances[other].face) > 0.99;
-                let deep = (moves[k] - moves[other]).dot(&stances[k].face) + stances[k].turned(stances[k].middle).dot(&stances[k].face)
+                let deep = (moves[k] - moves[other]).dot(&stances[k].face)
+                    + stances[k].turned(stances[k].middle).dot(&stances[k].face)
                     - stances[other].turned(stances[other].middle).dot(&stances[k].face);
-                alike && deep.abs() < 0.7 * STAGGER && overlap(&outline(k, moves), &outline(other, moves), &stances[k].free)
+                alike
+                    && deep.abs() < 0.7 * STAGGER
+                    && overlap(&outline(k, moves), &outline(other, moves), &stances[k].free)
             })
         {
             moves[k] += stances[k].face * STAGGER;

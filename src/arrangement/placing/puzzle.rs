@@ -1,4 +1,4 @@
-//! Where panels that stand as they shall have to be for their seams to be short: linear least squares.
+//! Where panels that stand as they shall have to be for their seams to be short: linear least squares (theory, equation 23).
 
 use super::map::solve;
 use super::stance::Stance;
@@ -75,7 +75,8 @@ pub fn translations(stances: &[Stance], ties: &[Tie], rows: &[Row]) -> Vec<Vecto
     let base: Vec<Vector3> = stances.iter().map(Stance::base).collect();
     let to_draft = |stance: &Stance| stance.drafted - stance.turned(stance.middle);
     // Unknowns: two lengths along the free directions of each panel.
-    let moves = |x: &[f64], panel: usize| stances[panel].free[0] * x[2 * panel] + stances[panel].free[1] * x[2 * panel + 1];
+    let moves =
+        |x: &[f64], panel: usize| stances[panel].free[0] * x[2 * panel] + stances[panel].free[1] * x[2 * panel + 1];
     let add = |y: &mut [f64], panel: usize, force: Vector3| {
         for k in 0..2 {
             y[2 * panel + k] += stances[panel].free[k].dot(&force);

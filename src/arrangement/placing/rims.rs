@@ -31,8 +31,9 @@ const OPEN_FRONT: f64 = 4.5;
 
 /// The openings of a piece, by rim; none where the seams leave it open and the names do too.
 pub fn openings(surface: &Surface, hints: &[Hints], piece: usize) -> Vec<(usize, Opening)> {
-    let mut rims: Vec<usize> =
-        (0..surface.rims.len()).filter(|&r| surface.rims[r].piece == piece && surface.rims[r].length > SHORTEST).collect();
+    let mut rims: Vec<usize> = (0..surface.rims.len())
+        .filter(|&r| surface.rims[r].piece == piece && surface.rims[r].length > SHORTEST)
+        .collect();
     rims.sort_by(|&a, &b| surface.rims[b].length.total_cmp(&surface.rims[a].length));
     rims.truncate(MOST_RIMS);
     let known = Known { surface, hints };
@@ -59,7 +60,8 @@ impl Known<'_> {
     /// At which side the names have a rim: from -1, right, to 1, left.
     fn side(&self, rim: usize) -> f64 {
         let rim = &self.surface.rims[rim];
-        rim.panels.iter().map(|&(panel, length)| self.hints[panel].left.unwrap_or(0.0) * length).sum::<f64>() / rim.length
+        rim.panels.iter().map(|&(panel, length)| self.hints[panel].left.unwrap_or(0.0) * length).sum::<f64>()
+            / rim.length
     }
 
     fn length(&self, rim: usize) -> f64 {
@@ -174,7 +176,8 @@ impl Known<'_> {
         // Of what is left the neck is nearest to the arms, the hem farthest.
         let away = |rim: usize| {
             let far = arms.iter().flatten().map(|&arm| self.apart(arm, rim)).sum::<f64>();
-            far - self.share(rim, &[Zone::Neck, Zone::Head]) + self.share(rim, &[Zone::Skirt, Zone::Waistband, Zone::Leg])
+            far - self.share(rim, &[Zone::Neck, Zone::Head])
+                + self.share(rim, &[Zone::Skirt, Zone::Waistband, Zone::Leg])
         };
         let mut rest: Vec<(f64, usize)> = rest.iter().map(|&rim| (away(rim), rim)).collect();
         rest.sort_by(|a, b| a.0.total_cmp(&b.0));

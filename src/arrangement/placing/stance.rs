@@ -129,7 +129,15 @@ impl Standing<'_> {
         }
     }
 
-    fn stance(&self, panel: usize, limb: Limb, look: &Look, flow: Option<&Vec<f64>>, draft: &Draft, asked: Override) -> Stance {
+    fn stance(
+        &self,
+        panel: usize,
+        limb: Limb,
+        look: &Look,
+        flow: Option<&Vec<f64>>,
+        draft: &Draft,
+        asked: Override,
+    ) -> Stance {
         let middle = self.middle(panel);
         let limb_axis = self.axis(limb, look);
         let spread = look.normal.norm() / look.area.max(1e-12);
@@ -157,14 +165,27 @@ impl Standing<'_> {
         let bend = is_bent.then(|| self.bend(panel, along, wound, &limb_axis, asked.bend));
         let through = match (bend, limb) {
             (Some(bend), _) => limb_axis.point + face * bend.radius.abs(),
-            (None, Limb::Head) => Vector3::new(self.figure.middle, 0.0, self.figure.head[1]) + face * self.reach(limb, face),
+            (None, Limb::Head) => {
+                Vector3::new(self.figure.middle, 0.0, self.figure.head[1]) + face * self.reach(limb, face)
+            }
             (None, _) => face * self.reach(limb, face),
         };
         let origin = bend.map_or(middle, |bend| bend.origin);
         let side = up.cross(&face);
         let free = if bend.is_some() { [up, Vector3::zeros()] } else { [up, side] };
         let angle = face.dot(&limb_axis.outside).atan2(face.dot(&limb_axis.front));
-        Stance { limb, face, rotation, bend, free, through, middle: origin, drafted: look.middle, angle, turn: turn * wound }
+        Stance {
+            limb,
+            face,
+            rotation,
+            bend,
+            free,
+            through,
+            middle: origin,
+            drafted: look.middle,
+            angle,
+            turn: turn * wound,
+        }
     }
 
     /// The middle of a panel's bounding box, m.
@@ -187,7 +208,8 @@ impl Standing<'_> {
         let marks = self.figure.marks;
         match limb {
             Limb::Arm(side) => {
-                let (point, end) = (marks.arms[side].axis[0], *marks.arms[side].axis.last().expect("an arm has sections"));
+                let (point, end) =
+                    (marks.arms[side].axis[0], *marks.arms[side].axis.last().expect("an arm has sections"));
                 let radius = marks.arms[side].radii.iter().copied().fold(0.0, f64::max);
                 let up = (point - end).normalize();
                 // What is uppermost on an arm that hangs is its outside.
@@ -284,7 +306,8 @@ impl Standing<'_> {
     /// How far a limb reaches in a direction, and what panels keep from it, m.
     fn reach(&self, limb: Limb, face: Vector3) -> f64 {
         let marks = self.figure.marks;
-        let most = |points: &mut dyn Iterator<Item = &Vector3>| points.map(|p| p.dot(&face)).fold(f64::NEG_INFINITY, f64::max);
+        let most =
+            |points: &mut dyn Iterator<Item = &Vector3>| points.map(|p| p.dot(&face)).fold(f64::NEG_INFINITY, f64::max);
         match limb {
             Limb::Arm(side) => ARM_GAP + most(&mut marks.arms[side].outlines.iter().flatten()),
             Limb::Head => HEAD_GAP + self.figure.head[0],
