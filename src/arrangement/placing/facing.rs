@@ -38,7 +38,7 @@ pub fn draft(
         }
         _ => Draft { places: branches(surface, figure, &openings), openings, is_tube: false },
     };
-    if !draft.is_tube && is_mirrored(surface, hints, piece, &draft) {
+    if !draft.is_tube && is_mirrored(surface, hints, figure.middle, piece, &draft) {
         draft.places.iter_mut().for_each(|p| p.x = 2.0 * figure.middle - p.x);
         for (_, opening) in &mut draft.openings {
             *opening = match *opening {
@@ -172,7 +172,7 @@ fn phase(surface: &Surface, hints: &[Hints], upper: &Rim, distances: &[f64], way
 }
 
 /// Does the map have left and right, and with them front and back, the wrong way round?
-fn is_mirrored(surface: &Surface, hints: &[Hints], piece: usize, draft: &Draft) -> bool {
+fn is_mirrored(surface: &Surface, hints: &[Hints], middle: f64, piece: usize, draft: &Draft) -> bool {
     let (mut named, mut silent) = (0.0, 0.0);
     for (panel, hint) in hints.iter().enumerate() {
         let range = &surface.level.panels[panel];
@@ -182,7 +182,7 @@ fn is_mirrored(surface: &Surface, hints: &[Hints], piece: usize, draft: &Draft) 
         let look = look(surface, panel, &draft.places);
         let facing = look.normal.z / look.area.max(1e-12);
         named += hint.front.unwrap_or(0.0) * facing.signum() * look.rest_area;
-        named += hint.left.unwrap_or(0.0) * (look.middle.x).signum() * look.rest_area;
+        named += hint.left.unwrap_or(0.0) * (look.middle.x - middle).signum() * look.rest_area;
         // Back parts are larger, where anybody sits in them, and reach higher, at the neck.
         silent -= facing.signum() * look.rest_area;
     }
@@ -202,16 +202,49 @@ fn neck_depth(surface: &Surface, rim: usize, draft: &Draft) -> f64 {
     let hem = draft.openings.iter().find(|(_, o)| matches!(o, Opening::Hem | Opening::Leg(_)));
     let Some((hem, _)) = hem else { return 0.0 };
     let ways = surface.distances(surface.rims[*hem].indices());
+    // Under a hood the neckline is its seam.
+    let heads = heads(surface, &draft.openings);
+    let mut at_neck = vec![false; surface.level.particle_count];
+    surface.rims[rim].indices().for_each(|p| at_neck[p as usize] = true);
+    for (t, _) in surface.panel_of.iter().enumerate().filter(|(_, panel)| heads[**panel as usize]) {
+        surface.level.particles(t).iter().for_each(|&p| at_neck[p as usize] = true);
+    }
     let mut least = [f64::INFINITY; 2];
-    for (t, &panel) in surface.panel_of.iter().enumerate() {
-        for p in surface.level.particles(t) {
-            if surface.rims[rim].indices().any(|q| q == p) {
-                let side = usize::from(look(surface, panel as usize, &draft.places).normal.z < 0.0);
-                least[side] = least[side].min(ways[p as usize]);
-            }
+    for (panel, range) in surface.level.panels.iter().enumerate().filter(|(panel, _)| !heads[*panel]) {
+        let side = usize::from(look(surface, panel, &draft.places).normal.z < 0.0);
+        for p in range.points.clone().map(|p| surface.level.particle_of[p] as usize).filter(|&p| at_neck[p]) {
+            least[side] = least[side].min(ways[p]);
         }
     }
     if least.iter().all(|l| l.is_finite()) { least[1] - least[0] } else { 0.0 }
+}
+
+/// A function on the particles that is 1 at one opening and 0 at all others, as smooth as can be.
+pub fn flow(surface: &Surface, openings: &[(usize, Opening)], source: usize) -> Vec<f64> {
+    let pins = openings.iter().flat_map(|&(rim, _)| {
+        let place = Vector3::x() * if rim == source { 1.0 } else { 0.0 };
+        surface.rims[rim].indices().map(move |p| Pin { particles: vec![p], place, axes: Vector3::x() })
+    });
+    harmonic(surface, &pins.collect::<Vec<_>>()).into_iter().map(|f| f.x).collect()
+}
+
+/// The flow from the neck that a panel has in the mean, at least, if it is a hood, and its area, m², at least: a collar is smaller.
+const HOOD_FLOW: f64 = 0.55;
+const HOOD_AREA: f64 = 0.03;
+
+/// Per panel: is it a hood? Its opening is that of the neck, and it is large.
+pub fn heads(surface: &Surface, openings: &[(usize, Opening)]) -> Vec<bool> {
+    let Some(&(neck, _)) = openings.iter().find(|(_, o)| *o == Opening::Neck) else {
+        return vec![false; surface.level.panels.len()];
+    };
+    let flow = flow(surface, openings, neck);
+    let areas = surface.level.rest_areas();
+    let is_head = |range: &crate::garment::PanelRange| {
+        let sum: f64 = range.points.clone().map(|p| flow[surface.level.particle_of[p] as usize]).sum();
+        let area: f64 = areas[range.triangles.clone()].iter().sum();
+        area > HOOD_AREA && sum > HOOD_FLOW * range.points.len() as f64
+    };
+    surface.level.panels.iter().map(is_head).collect()
 }
 
 /// How a panel lies in a map.

@@ -152,6 +152,7 @@ pub fn place(
         rows.extend(height_rows(pattern, &surface, &hints, &figure, &stances, &loose, panels, draft));
     }
     let mut moves = translations(&stances, &ties, &rows);
+    part_legs(pattern, &stances, &mut moves);
     stagger(pattern, &stances, &mut moves);
     for (k, asked) in overrides.iter().enumerate() {
         if let Some(distance) = asked.and_then(|asked| asked.distance) {
@@ -221,11 +222,10 @@ fn limb_rows(surface: &Surface, figure: &Figure, stances: &[Stance], panels: &[u
         let stance = &stances[panel];
         let at_rim = |wanted: &dyn Fn(Opening) -> bool| rim_middle(surface, draft, stance, panel, wanted);
         match stance.limb {
-            Limb::Arm(side) if stance.bend.is_none() => {
+            Limb::Arm(_) if stance.bend.is_none() => {
                 let point = stance.turned(stance.middle);
                 let axis = axis_point(figure, stance.limb, stance.drafted);
                 let normal = stance.free[1];
-                let _ = side;
                 rows.push(Row { panel, point, normal, value: normal.dot(&axis), weight: SOFT });
             }
             Limb::Leg(side) if stance.bend.is_none() => {
@@ -317,14 +317,47 @@ fn height_rows(
     best.map(|(_, row)| row).into_iter().collect()
 }
 
+/// Steps in which trouser legs are moved apart where they would lie in each other, m, and how many there are.
+const LEG_STEP: f64 = 0.005;
+const MOST_LEG_STEPS: usize = 30;
+
+/// Moves the panels of the two legs apart, as one, until none lies in one of the other leg.
+fn part_legs(pattern: &Pattern, stances: &[Stance], moves: &mut [Vector3]) {
+    let flat = |side: usize| -> Vec<usize> {
+        (0..stances.len()).filter(|&k| stances[k].limb == Limb::Leg(side) && stances[k].bend.is_none()).collect()
+    };
+    let legs = [flat(0), flat(1)];
+    for _ in 0..MOST_LEG_STEPS {
+        let meet = legs[0].iter().any(|&a| {
+            legs[1].iter().any(|&b| {
+                let alike = stances[a].face.dot(&stances[b].face) > 0.99;
+                alike
+                    && overlap(
+                        &outline(pattern, stances, moves, a),
+                        &outline(pattern, stances, moves, b),
+                        &stances[a].free,
+                    )
+            })
+        });
+        if !meet {
+            break;
+        }
+        for (panels, way) in legs.iter().zip([1.0, -1.0]) {
+            panels.iter().for_each(|&k| moves[k].x += way * LEG_STEP);
+        }
+    }
+}
+
+/// The outline of a panel where it is, m, world.
+fn outline(pattern: &Pattern, stances: &[Stance], moves: &[Vector3], k: usize) -> Vec<Vector3> {
+    pattern.panels[k].polygon(OUTLINE_POINTS).iter().map(|&p| stances[k].turned(p) + moves[k]).collect()
+}
+
 /// Moves panels that would lie in each other apart, the smaller one outwards.
 fn stagger(pattern: &Pattern, stances: &[Stance], moves: &mut [Vector3]) {
     let mut order: Vec<usize> = (0..stances.len()).filter(|&k| stances[k].bend.is_none()).collect();
     let area = |k: usize| pattern.panels[k].signed_area().abs();
     order.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
-    let outline = |k: usize, moves: &[Vector3]| -> Vec<Vector3> {
-        pattern.panels[k].polygon(OUTLINE_POINTS).iter().map(|&p| stances[k].turned(p) + moves[k]).collect()
-    };
     for (n, &k) in order.iter().enumerate() {
         let mut tries = 0;
         while tries < MOST_STAGGERS
@@ -335,7 +368,11 @@ fn stagger(pattern: &Pattern, stances: &[Stance], moves: &mut [Vector3]) {
                     - stances[other].turned(stances[other].middle).dot(&stances[k].face);
                 alike
                     && deep.abs() < 0.7 * STAGGER
-                    && overlap(&outline(k, moves), &outline(other, moves), &stances[k].free)
+                    && overlap(
+                        &outline(pattern, stances, moves, k),
+                        &outline(pattern, stances, moves, other),
+                        &stances[k].free,
+                    )
             })
         {
             moves[k] += stances[k].face * STAGGER;

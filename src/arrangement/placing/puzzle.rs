@@ -32,6 +32,8 @@ const DRAFT: f64 = 2e-3;
 const TOLERANCE: f64 = 1e-12;
 /// Panels that face the same way lie this far apart along their seam, m.
 const GAP: f64 = 0.015;
+/// How much more such a seam counts than one to the other side of the body, which is open in any case.
+const BESIDE: f64 = 5.0;
 /// Panels face the same way if their normals have at least this product.
 const ALIKE: f64 = 0.7;
 
@@ -61,7 +63,12 @@ pub fn ties(pattern: &Pattern, stances: &[Stance]) -> Vec<Tie> {
             .unwrap_or_default();
         let apart = if beside { way * GAP } else { Vector3::zeros() };
         let [l, m] = pattern.seam_lengths(seam);
-        Some(Tie { panels: [a.panel, b.panel], ends: [end(a), end(b)], apart, weight: 0.5 * (l + m) })
+        Some(Tie {
+            panels: [a.panel, b.panel],
+            ends: [end(a), end(b)],
+            apart,
+            weight: 0.5 * (l + m) * if beside { BESIDE } else { 1.0 },
+        })
     };
     pattern.seams.iter().filter_map(tie).collect()
 }

@@ -1,8 +1,7 @@
 //! How each panel stands: which way it faces, how it is turned in its own plane, whether it is bent around a limb.
 
-use super::facing::{Draft, Look, look};
+use super::facing::{Draft, Look, flow, heads, look};
 use super::figure::Figure;
-use super::map::{Pin, harmonic};
 use super::names::{Hints, Zone};
 use super::rims::Opening;
 use super::surface::Surface;
@@ -33,7 +32,7 @@ pub struct Stance {
     pub turn: f64,
 }
 
-/// Panels are drawn along their grain: a turn this near to a quarter is one.
+/// Panels are drawn along their grain: those of the torso stand upright, and on limbs a turn this near to a quarter is one.
 const UPRIGHT: f64 = 28.0 / 180.0 * PI;
 /// A face this near to front, back or side is taken for it.
 const SQUARE: f64 = 32.0 / 180.0 * PI;
@@ -61,10 +60,11 @@ impl Standing<'_> {
     /// The stances of a piece's panels.
     pub fn stances(&self, panels: &[usize], draft: &Draft, overrides: &[Option<Override>]) -> Vec<Stance> {
         let flows = self.flows(draft);
+        let heads = heads(self.surface, &draft.openings);
         let stance = |&panel: &usize| {
             let look = look(self.surface, panel, &draft.places);
             let asked = overrides[panel].unwrap_or_default();
-            let (limb, flow) = self.limb(panel, &look, &flows, asked.limb);
+            let (limb, flow) = self.limb(panel, &look, &flows, asked.limb, &heads);
             self.stance(panel, limb, &look, flow, draft, asked)
         };
         panels.iter().map(stance).collect()
@@ -78,12 +78,7 @@ impl Standing<'_> {
                 Opening::Leg(side) => Limb::Leg(side),
                 _ => return None,
             };
-            let pins = draft.openings.iter().flat_map(|&(other, _)| {
-                let place = Vector3::x() * if other == rim { 1.0 } else { 0.0 };
-                self.surface.rims[other].indices().map(move |p| Pin { particles: vec![p], place, axes: Vector3::x() })
-            });
-            let flow = harmonic(self.surface, &pins.collect::<Vec<_>>());
-            Some((limb, flow.into_iter().map(|f| f.x).collect()))
+            Some((limb, flow(self.surface, &draft.openings, rim)))
         };
         draft.openings.iter().filter_map(of).collect()
     }
@@ -94,13 +89,14 @@ impl Standing<'_> {
         look: &Look,
         flows: &'f [(Limb, Vec<f64>)],
         asked: Option<Limb>,
+        heads: &[bool],
     ) -> (Limb, Option<&'f Vec<f64>>) {
         let flow_of = |limb: Limb| flows.iter().find(|(l, _)| *l == limb).map(|(_, flow)| flow);
         if let Some(limb) = asked {
             return (limb, flow_of(limb));
         }
         let hint = self.hints[panel];
-        if hint.zone == Some(Zone::Head) {
+        if hint.zone == Some(Zone::Head) || (hint.zone.is_none() && heads[panel]) {
             return (Limb::Head, None);
         }
         let range = &self.surface.level.panels[panel];
@@ -289,7 +285,7 @@ impl Standing<'_> {
             }
         };
         let square = (angle / FRAC_PI_2).round() * FRAC_PI_2;
-        if (angle - square).abs() < UPRIGHT { square } else { angle }
+        if flow.is_none() || (angle - square).abs() < UPRIGHT { square } else { angle }
     }
 
     fn bend(&self, panel: usize, along: Vector2, wound: f64, axis: &Axis, asked: Option<f64>) -> Bend {
