@@ -45,7 +45,7 @@ impl<'a> Figure<'a> {
         let (waist, hip) = (self.marks.waist, self.marks.hip);
         let step = 0.005;
         let mut height = waist;
-        while height > hip && self.girth(height) < length * WAIST_EASE {
+        while height > waist - LOWEST_WAIST * (waist - hip) && self.girth(height) < length * WAIST_EASE {
             height -= step;
         }
         height
@@ -72,5 +72,7 @@ impl<'a> Figure<'a> {
     }
 }
 
+/// A waist that is too wide is not looked for lower than this part of the way to the hips: legs would not reach.
+const LOWEST_WAIST: f64 = 0.4;
 /// A waistband may be smaller than the waist by this, and still be held to be made for it.
 const WAIST_EASE: f64 = 1.0;

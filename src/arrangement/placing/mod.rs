@@ -154,6 +154,7 @@ pub fn place(
     let mut moves = translations(&stances, &ties, &rows);
     part_legs(pattern, &stances, &mut moves);
     stagger(pattern, &stances, &mut moves);
+    clear_body(pattern, &stances, &mut moves, body);
     for (k, asked) in overrides.iter().enumerate() {
         if let Some(distance) = asked.and_then(|asked| asked.distance) {
             let at = stances[k].turned(stances[k].middle) + moves[k];
@@ -344,6 +345,24 @@ fn part_legs(pattern: &Pattern, stances: &[Stance], moves: &mut [Vector3]) {
         }
         for (panels, way) in legs.iter().zip([1.0, -1.0]) {
             panels.iter().for_each(|&k| moves[k].x += way * LEG_STEP);
+        }
+    }
+}
+
+/// Steps in which panels leave the body, m, and how many there are.
+const CLEARING_STEP: f64 = 0.02;
+const MOST_CLEARING_STEPS: usize = 12;
+
+/// Moves panels whose outlines begin inside the body out of it, the way that they face.
+fn clear_body(pattern: &Pattern, stances: &[Stance], moves: &mut [Vector3], body: &Body) {
+    // Hoods are wide enough, and reach down to shoulders that the search of first positions lifts them from.
+    for k in (0..stances.len()).filter(|&k| stances[k].limb != Limb::Head) {
+        let way = stances[k].face;
+        for _ in 0..MOST_CLEARING_STEPS {
+            if !outline(pattern, stances, moves, k).iter().any(|&p| body.contains(p)) {
+                break;
+            }
+            moves[k] += way * CLEARING_STEP;
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Where panels that stand as they shall have to be for their seams to be short: linear least squares (theory, equation 23).
 
+use super::Limb;
 use super::map::solve;
 use super::stance::Stance;
 use crate::geometry::{Vector2, Vector3};
@@ -32,8 +33,10 @@ const DRAFT: f64 = 2e-3;
 const TOLERANCE: f64 = 1e-12;
 /// Panels that face the same way lie this far apart along their seam, m.
 const GAP: f64 = 0.015;
-/// How much more such a seam counts than one to the other side of the body, which is open in any case.
+/// How much more such a seam counts than one to the other side of the body, which is open in any case; and between halves of a
+/// torso, which sleeves would else pull over each other.
 const BESIDE: f64 = 5.0;
+const HALVES: f64 = 50.0;
 /// Panels face the same way if their normals have at least this product.
 const ALIKE: f64 = 0.7;
 
@@ -62,13 +65,13 @@ pub fn ties(pattern: &Pattern, stances: &[Stance]) -> Vec<Tie> {
             .try_normalize(1e-3)
             .unwrap_or_default();
         let apart = if beside { way * GAP } else { Vector3::zeros() };
+        let counts = match (beside, p.limb, q.limb) {
+            (true, Limb::Torso, Limb::Torso) => HALVES,
+            (true, ..) => BESIDE,
+            (false, ..) => 1.0,
+        };
         let [l, m] = pattern.seam_lengths(seam);
-        Some(Tie {
-            panels: [a.panel, b.panel],
-            ends: [end(a), end(b)],
-            apart,
-            weight: 0.5 * (l + m) * if beside { BESIDE } else { 1.0 },
-        })
+        Some(Tie { panels: [a.panel, b.panel], ends: [end(a), end(b)], apart, weight: 0.5 * (l + m) * counts })
     };
     pattern.seams.iter().filter_map(tie).collect()
 }
