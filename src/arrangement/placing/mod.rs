@@ -157,9 +157,12 @@ pub fn place(
     clear_body(pattern, &stances, &mut moves, body);
     for (k, asked) in overrides.iter().enumerate() {
         if let Some(distance) = asked.and_then(|asked| asked.distance) {
-            let at = stances[k].turned(stances[k].middle) + moves[k];
-            let axis = axis_point(&figure, stances[k].limb, at);
-            moves[k] += stances[k].face * (distance - (at - axis).dot(&stances[k].face));
+            // The nearest point of an axis that leans moves along: a few rounds.
+            for _ in 0..8 {
+                let at = stances[k].turned(stances[k].middle) + moves[k];
+                let axis = axis_point(&figure, stances[k].limb, at);
+                moves[k] += stances[k].face * (distance - (at - axis).dot(&stances[k].face));
+            }
         }
     }
     for (panel, (stance, translation)) in pattern.panels.iter_mut().zip(stances.iter().zip(&moves)) {
