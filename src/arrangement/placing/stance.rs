@@ -41,10 +41,11 @@ const BENT: f64 = 0.35;
 /// What the flow to an opening, from 0 to 1, has to be on a panel for it to belong to that limb; a name counts as much as...
 const ON_LIMB: f64 = 0.45;
 const NAMED: f64 = 0.4;
-/// How far outside the body panels stand, m: the torso's, those of arms, those of the head.
+/// How far outside the body panels stand, m: the torso's, those of arms, those of the head. A hood farther out has its tips in the
+/// shoulders, where they get caught.
 const TORSO_GAP: f64 = 0.09;
 const ARM_GAP: f64 = 0.07;
-const HEAD_GAP: f64 = 0.04;
+const HEAD_GAP: f64 = 0.015;
 /// A cylinder around a limb is wider than it by this, m, at least, and a panel on it leaves this share of its girth open.
 const BEND_GAP: f64 = 0.025;
 const BEND_OPEN: f64 = 0.12;
