@@ -10,6 +10,7 @@
 
 mod motion;
 mod openings;
+pub mod placing;
 
 use crate::Error;
 use crate::body::{Body, DistanceField};
@@ -100,10 +101,9 @@ pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
 /// Has every panel a place around the body to start from?
 pub fn check_placed(pattern: &Pattern) -> Result<(), Error> {
     let Some(lying) = pattern.panels.iter().find(|panel| panel.placement.is_none()) else { return Ok(()) };
-    let seams = if pattern.seams.is_empty() { ", and the pattern has no seams" } else { "" };
     Err(Error::new(
-        format!("It has no place around the body{seams}: drawings such as DXF and FreeSewing hold neither."),
-        "Write the pattern with `toile convert` as TOML, and add a placement to each panel, and seams; docs/formats.md says how.",
+        "It has no place around the body: drawings such as DXF and FreeSewing hold none.",
+        "Have the panels placed by themselves: `--place auto`.",
     )
     .within(format!("panel \"{}\"", lying.name)))
 }
@@ -465,7 +465,7 @@ mod tests {
         let corners = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.4], [-0.2, 0.4]].map(Vector2::from);
         let segments =
             (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None }).collect();
-        let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::new(0.0, y, z) };
+        let placement = Placement::flat(nalgebra::Rotation3::identity(), Vector3::new(0.0, y, z));
         Panel::new(name, segments).at(placement)
     }
 

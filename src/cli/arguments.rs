@@ -39,6 +39,8 @@ pub enum Command {
     /// Propose seams, draw them, or tell how much longer one side is than the other
     #[command(subcommand)]
     Seams(super::seams::Seams),
+    /// Place the panels of a pattern around a body, and write where, ready to be changed
+    Place(Place),
 }
 
 /// How to read what a drawing leaves open.
@@ -69,6 +71,52 @@ pub struct Convert {
     pub out: PathBuf,
     #[command(flatten)]
     pub reading: Reading,
+}
+
+/// Where panels start.
+#[derive(Args, Debug, Default)]
+pub struct Placing {
+    /// Where panels start: as the pattern has them, or placed by themselves [default: by themselves where the pattern
+    /// does not place all]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub place: Option<PlaceBy>,
+    /// Arrangement file (TOML): where single panels are to start; all others are placed by themselves
+    #[arg(long, value_name = "FILE")]
+    pub arrangement: Option<PathBuf>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaceBy {
+    /// By seams, names and the landmarks of the body
+    Auto,
+    /// As the pattern has it
+    Pattern,
+}
+
+#[derive(Args, Debug)]
+pub struct Place {
+    /// Sewing pattern; its own placement is left aside
+    pub pattern: PathBuf,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
+    #[arg(long, value_name = "OBJ")]
+    pub body: PathBuf,
+    /// Bring the body into the frame of patterns first
+    #[arg(long, value_enum, default_value_t = Align::None)]
+    pub align: Align,
+    /// Arrangement file to write (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Picture of the panels around the body before anything is sewn, to write (PNG)
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Arrangement file (TOML) to begin with: what it asks for is kept
+    #[arg(long, value_name = "FILE")]
+    pub arrangement: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -113,6 +161,8 @@ pub struct Fit {
     pub out: PathBuf,
     #[command(flatten)]
     pub reading: Reading,
+    #[command(flatten)]
+    pub placing: Placing,
     #[command(flatten)]
     pub solving: Solving,
 }
@@ -188,6 +238,8 @@ pub struct Check {
     /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
     #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
     pub levels: Option<String>,
+    #[command(flatten)]
+    pub placing: Placing,
 }
 
 #[derive(Args, Debug)]

@@ -5,6 +5,7 @@
 
 use super::arguments::Check;
 use super::inputs::{BodyInput, PatternInput};
+use super::place::place_all;
 use super::{Failure, Status, complaint};
 use crate::arrangement::{Care, arrange, check_placement, placed};
 use crate::garment::Garment;
@@ -38,7 +39,13 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
             None
         }
     };
-    if let (Some((input, _)), Some(body)) = (&opened, &body)
+    let mut opened = opened;
+    if let (Some((input, _)), Some(body)) = (&mut opened, &body)
+        && let Err(Failure::Input(e) | Failure::Usage(e)) =
+            place_all(std::slice::from_mut(input), body, &asked.placing, true)
+    {
+        errors.push(e);
+    } else if let (Some((input, _)), Some(body)) = (&opened, &body)
         && input.pattern.is_placed()
         && let Err(e) = check_placement(&input.pattern, &body.body)
     {

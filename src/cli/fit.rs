@@ -2,6 +2,7 @@
 
 use super::arguments::{Fit, Progress, Solving, wants_equilibrium};
 use super::inputs::{BodyInput, PatternInput, fabrics, settings_text, tell};
+use super::place::place_all;
 use super::progress::Watcher;
 use super::stopwatch::Stopwatch;
 use super::{Failure, Status, complaint, results};
@@ -27,14 +28,17 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
         ));
     }
     let seams = asked.seams.iter().map(|path| Some(path.as_path())).chain(std::iter::repeat(None));
-    let patterns: Vec<PatternInput> = asked
+    let mut patterns: Vec<PatternInput> = asked
         .patterns
         .iter()
         .zip(seams)
-        .map(|(path, seams)| PatternInput::open_sewn(path, seams, &options)?.for_fitting())
+        .map(|(path, seams)| PatternInput::open_sewn(path, seams, &options))
         .collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body, asked.align)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
+    let silent = asked.solving.progress == Progress::None;
+    patterns.iter().try_for_each(PatternInput::check_sewn)?;
+    place_all(&mut patterns, &body, &asked.placing, silent)?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)
 }
 

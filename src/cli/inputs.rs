@@ -68,6 +68,21 @@ impl PatternInput {
         Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(bytes), warnings })
     }
 
+    /// Is there anything that holds its panels together?
+    pub fn check_sewn(&self) -> Result<(), Error> {
+        if self.pattern.panels.len() < 2 || !self.pattern.seams.is_empty() {
+            return Ok(());
+        }
+        Err(Error::new(
+            format!(
+                "Its {} panels have no seams: drawings such as DXF and FreeSewing hold none.",
+                self.pattern.panels.len()
+            ),
+            "Have seams proposed with `toile seams suggest`, look them over, and give the file with --seams.",
+        )
+        .within(&self.place))
+    }
+
     /// The same, if it can be fitted: its panels have places around the body.
     pub fn for_fitting(self) -> Result<Self, Error> {
         check_placed(&self.pattern).map_err(|e| e.within(&self.place))?;

@@ -11,6 +11,7 @@ mod demo;
 mod export;
 mod fit;
 mod inputs;
+mod place;
 mod progress;
 mod results;
 mod seams;
@@ -95,5 +96,6 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Body(body) => body::run(body),
         Command::Convert(convert) => convert::run(convert),
         Command::Seams(asked) => seams::run(asked),
+        Command::Place(asked) => place::run(asked),
     }
 }

@@ -4,6 +4,7 @@
 //! disk, [`motion_cache`], whose file grows, and [`export`], which fills a folder; only [`process`] asks the machine.
 //! `docs/formats.md` describes the formats themselves.
 
+pub mod arrangement_toml;
 pub mod atomic;
 pub mod body_obj;
 pub mod checkpoint;

@@ -6,7 +6,7 @@
 use super::length::Unit;
 use crate::geometry::{Vector2, Vector3};
 use crate::pattern::{
-    Arc, BodyPart, Curve, Markings, Notch, NotchKind, Panel, Path, Pattern, Placement, Seam, Segment, SegmentId,
+    Arc, Bend, BodyPart, Curve, Markings, Notch, NotchKind, Panel, Path, Pattern, Placement, Seam, Segment, SegmentId,
     SegmentLabel, Sense, Shape,
 };
 use crate::{Error, Warning};
@@ -91,6 +91,22 @@ struct FilePlacement {
     /// Turns about the fixed axes x, then y, then z, in degrees. Instead of it `rotation`.
     #[serde(skip_serializing_if = "Option::is_none")]
     angles_deg: Option<[f64; 3]>,
+    /// The panel is bent around a cylinder before it is turned and moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bend: Option<FileBend>,
+}
+
+/// A cylinder that touches the flat panel along a line.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct FileBend {
+    /// A point of that line.
+    origin: Point,
+    /// Its direction, of length one.
+    along: Point,
+    /// Positive where the axis is behind the panel, on its -z side; not zero.
+    radius: f64,
 }
 
 /// One curve of an outline, between two corners: straight, or with one of `quadratic`, `cubic`, `arc` and `path`.
@@ -282,7 +298,12 @@ fn panel_to_file(panel: &Panel) -> FilePanel {
     let placement = |p: &Placement| {
         let rows = |m: &Matrix3<f64>| [0, 1, 2].map(|i| [m[(i, 0)], m[(i, 1)], m[(i, 2)]]);
         let rotation = Some(rows(p.rotation.matrix()));
-        FilePlacement { translation: p.translation.into(), rotation, angles_deg: None }
+        FilePlacement {
+            translation: p.translation.into(),
+            rotation,
+            angles_deg: None,
+            bend: p.bend.as_ref().map(file_bend),
+        }
     };
     let notch = |n: &Notch| FileNotch { segment: n.segment, fraction: n.fraction, kind: n.kind.into() };
     let next = |k: usize| panel.segments[(k + 1) % panel.segments.len()].curve.start;
@@ -472,7 +493,30 @@ fn placement_from_file(file: &FilePlacement, unit: Unit) -> Result<Placement, Er
             return Err(Error::new("Its placement has both `rotation` and `angles_deg`.", "Give one of the two."));
         }
     };
-    Ok(Placement { rotation, translation: Vector3::from(file.translation.map(|x| unit.to_metres(x))) })
+    let bend = file.bend.as_ref().map(|bend| bend_from_file(bend, unit)).transpose()?;
+    Ok(Placement { rotation, translation: Vector3::from(file.translation.map(|x| unit.to_metres(x))), bend })
+}
+
+fn bend_from_file(file: &FileBend, unit: Unit) -> Result<Bend, Error> {
+    let along = Vector2::from(file.along);
+    if !((along.norm() - 1.0).abs() < TOLERANCE
+        && file.radius.is_finite()
+        && unit.to_metres(file.radius).abs() > LEAST_RADIUS)
+    {
+        return Err(Error::new(
+            "The bend of its placement is no cylinder.",
+            "Give `along` as a direction of length one, and a `radius` of at least a millimetre.",
+        ));
+    }
+    let origin = Vector2::from(file.origin.map(|x| unit.to_metres(x)));
+    Ok(Bend { origin, along, radius: unit.to_metres(file.radius) })
+}
+
+/// No cloth is bent to less when it starts, m.
+const LEAST_RADIUS: f64 = 1e-3;
+
+fn file_bend(bend: &Bend) -> FileBend {
+    FileBend { origin: bend.origin.into(), along: bend.along.into(), radius: bend.radius }
 }
 
 fn curve_from_file(file: &FileSegment, next: Point, unit: Unit) -> Result<Curve, Error> {
@@ -655,6 +699,7 @@ sides = [{ panel = "front", segment = 0 }, { panel = "back", segment = 3 }]
             panel.placement = Some(Placement {
                 rotation: Rotation3::from_euler_angles(angle, e, c),
                 translation: Vector3::new(far / 100.0, b, c),
+                bend: (fraction > 0.5).then(|| Bend { origin: corners[0], along: Vector2::new(0.6, 0.8), radius: a }),
             });
             panel.markings.notches.push(Notch { segment: 2, fraction, kind: NotchKind::Double });
             let pattern = Pattern { name: "p".into(), panels: vec![panel], seams: vec![] };

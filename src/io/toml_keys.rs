@@ -126,7 +126,7 @@ fn integer(value: &DeValue) -> Option<i64> {
     i64::from_str_radix(&integer.as_str().replace('_', ""), integer.radix()).ok()
 }
 
-fn line_of(text: &str, at: usize) -> String {
+pub fn line_of(text: &str, at: usize) -> String {
     let before = text.as_bytes().iter().take(at);
     format!("line {}", 1 + before.filter(|&&b| b == b'\n').count())
 }

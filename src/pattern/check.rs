@@ -129,7 +129,15 @@ impl Panel {
     fn check_extent(&self) -> Result<(), Error> {
         let shift = self.placement.as_ref().map_or(0.0, |placement| placement.translation.norm());
         let turned = |placement: &Placement| placement.rotation.matrix().iter().all(|r| r.is_finite());
-        if !(shift.is_finite() && self.placement.as_ref().is_none_or(turned)) {
+        let bent = |placement: &Placement| {
+            placement.bend.is_none_or(|bend| {
+                bend.radius.is_finite()
+                    && bend.radius != 0.0
+                    && (bend.along.norm() - 1.0).abs() < 1e-6
+                    && bend.origin.norm().is_finite()
+            })
+        };
+        if !(shift.is_finite() && self.placement.as_ref().is_none_or(|p| turned(p) && bent(p))) {
             return Err(Error::new(
                 "The placement is not finite.",
                 "Give the translation and rotation as plain numbers.",
