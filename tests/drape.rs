@@ -38,7 +38,7 @@ fn quarter(radius: f64, turns: f64) -> Segment {
 /// One panel: where the disc ends, particles lie as they happen to.
 fn specimen() -> Pattern {
     let segments = (0..4).map(|k| quarter(SPECIMEN, f64::from(k))).collect();
-    let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::zeros() };
+    let placement = Placement::flat(nalgebra::Rotation3::identity(), Vector3::zeros());
     let panel = Panel::new("specimen", segments).at(placement);
     Pattern { name: "specimen".to_owned(), panels: vec![panel], seams: Vec::new() }
 }

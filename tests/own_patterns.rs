@@ -91,7 +91,7 @@ fn seams_join_the_ends_that_are_nearer_to_each_other() {
     for pattern in [tee(), dress()] {
         for seam in &pattern.seams {
             let [[a, b], [c, d]] = seam.sides.map(|side| {
-                let (panel, curve) = (&pattern.panels[side.panel], pattern.segment(side).curve);
+                let (panel, curve) = (&pattern.panels[side.panel], &pattern.segment(side).curve);
                 [curve.start, curve.end].map(|p| panel.place(p).xy())
             });
             // Opposed sides: start meets end.

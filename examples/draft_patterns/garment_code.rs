@@ -70,7 +70,7 @@ fn panel_json(panel: &Panel) -> String {
 fn edge_json(segment: &Segment, index: usize, count: usize) -> String {
     let mut fields = vec![format!(r#""endpoints": [{index}, {}]"#, (index + 1) % count)];
     let control = |point| pair(relative(point, &segment.curve));
-    match segment.curve.shape {
+    match segment.curve.shape.clone() {
         Shape::Line => {}
         Shape::Quadratic(c) => {
             fields.push(format!(r#""curvature": {{ "type": "quadratic", "params": [{}] }}"#, control(c)));
@@ -84,6 +84,7 @@ fn edge_json(segment: &Segment, index: usize, count: usize) -> String {
             let params = format!("[{}, 0, {}]", number(arc.radius), u8::from(arc.sweep > 0.0));
             fields.push(format!(r#""curvature": {{ "type": "circle", "params": {params} }}"#));
         }
+        Shape::Path(_) => unreachable!("no stroke of these patterns is a path"),
     }
     if let Some(label) = LABELS.iter().find(|label| segment.name.ends_with(*label)) {
         fields.push(format!(r#""label": "{label}""#));

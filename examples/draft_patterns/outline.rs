@@ -51,25 +51,27 @@ impl Stroke {
 
 impl Segment {
     fn reversed(&self) -> Self {
-        let Curve { start, end, shape } = self.curve;
+        let Curve { start, end, shape } = self.curve.clone();
         let shape = match shape {
             Shape::Line => Shape::Line,
             Shape::Quadratic(c) => Shape::Quadratic(c),
             Shape::Cubic(c, d) => Shape::Cubic(d, c),
             Shape::Arc(arc) => Shape::Arc(Arc { sweep: -arc.sweep, ..arc }),
+            Shape::Path(path) => Shape::Path(path.reversed()),
         };
         Self { name: self.name.clone(), curve: Curve { start: end, end: start, shape } }
     }
 
     /// The mirror image in x = 0, traveled backward; `left_` in its name becomes `right_`.
     fn mirrored(&self) -> Self {
-        let Curve { start, end, shape } = self.curve;
+        let Curve { start, end, shape } = self.curve.clone();
         let shape = match shape {
             Shape::Line => Shape::Line,
             Shape::Quadratic(c) => Shape::Quadratic(mirror(c)),
             Shape::Cubic(c, d) => Shape::Cubic(mirror(d), mirror(c)),
             // mirroring and turning round both change the sense of rotation
             Shape::Arc(arc) => Shape::Arc(Arc { center: mirror(arc.center), ..arc }),
+            Shape::Path(path) => Shape::Path(path.mapped(mirror).reversed()),
         };
         let name = self.name.replacen("left_", "right_", 1);
         Self { name, curve: Curve { start: mirror(end), end: mirror(start), shape } }

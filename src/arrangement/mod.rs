@@ -10,6 +10,7 @@
 
 mod motion;
 mod openings;
+pub mod placing;
 
 use crate::Error;
 use crate::body::{Body, DistanceField};
@@ -97,9 +98,20 @@ pub fn placed(pattern: &Pattern, open: &Level) -> Vec<Vector3> {
     positions
 }
 
+/// Has every panel a place around the body to start from?
+pub fn check_placed(pattern: &Pattern) -> Result<(), Error> {
+    let Some(lying) = pattern.panels.iter().find(|panel| panel.placement.is_none()) else { return Ok(()) };
+    Err(Error::new(
+        "It has no place around the body: drawings such as DXF and FreeSewing hold none.",
+        "Have the panels placed by themselves: `--place auto`.",
+    )
+    .within(format!("panel \"{}\"", lying.name)))
+}
+
 /// Was the pattern placed around this body? Panels may start a metre in front of it; their middle,
 /// however, is where the body is.
 pub fn check_placement(pattern: &Pattern, body: &Body) -> Result<(), Error> {
+    check_placed(pattern)?;
     let (low, high) = body.bounds();
     let (mut middle, mut area) = (Vector3::zeros(), 0.0);
     let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -453,7 +465,7 @@ mod tests {
         let corners = [[-0.2, 0.0], [0.2, 0.0], [0.2, 0.4], [-0.2, 0.4]].map(Vector2::from);
         let segments =
             (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None }).collect();
-        let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::new(0.0, y, z) };
+        let placement = Placement::flat(nalgebra::Rotation3::identity(), Vector3::new(0.0, y, z));
         Panel::new(name, segments).at(placement)
     }
 

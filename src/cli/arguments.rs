@@ -1,7 +1,7 @@
 //! What can be asked for on the command line.
 
 use super::Failure;
-use crate::io::{length, settings_toml};
+use crate::io::{dxf, length, settings_toml};
 use crate::prepositioning::{FinishLine, Settings};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -34,6 +34,89 @@ pub enum Command {
     Simulate(Simulate),
     /// Tell what is recognized in a body: unit, position, landmarks and girths
     Body(Body),
+    /// Write a pattern of any kind in the format of toile, which holds all of it
+    Convert(Convert),
+    /// Propose seams, draw them, or tell how much longer one side is than the other
+    #[command(subcommand)]
+    Seams(super::seams::Seams),
+    /// Place the panels of a pattern around a body, and write where, ready to be changed
+    Place(Place),
+}
+
+/// How to read what a drawing leaves open.
+#[derive(Args, Debug)]
+pub struct Reading {
+    /// Unit of a DXF drawing: mm, cm, in or m [default: guessed from the size of the panels]
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+    /// Size to be read of a graded DXF file [default: its sample size]
+    #[arg(long, value_name = "SIZE", allow_hyphen_values = true)]
+    pub size: Option<String>,
+}
+
+impl Reading {
+    pub fn options(&self) -> Result<dxf::Options, Failure> {
+        let unit = self.unit.as_deref().map(length::Unit::named).transpose();
+        let unit = unit.map_err(|e| Failure::Usage(e.within("--unit")))?;
+        Ok(dxf::Options { unit, size: self.size.clone() })
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct Convert {
+    /// Sewing pattern: GarmentCode, DXF (AAMA, ASTM), FreeSewing, or toile's own
+    pub pattern: PathBuf,
+    /// File to write, .toml or .json
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+/// Where panels start.
+#[derive(Args, Debug, Default)]
+pub struct Placing {
+    /// Where panels start: as the pattern has them, or placed by themselves [default: by themselves where the pattern
+    /// does not place all]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub place: Option<PlaceBy>,
+    /// Arrangement file (TOML): where single panels are to start; all others are placed by themselves
+    #[arg(long, value_name = "FILE")]
+    pub arrangement: Option<PathBuf>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlaceBy {
+    /// By seams, names and the landmarks of the body
+    Auto,
+    /// As the pattern has it
+    Pattern,
+}
+
+#[derive(Args, Debug)]
+pub struct Place {
+    /// Sewing pattern; its own placement is left aside
+    pub pattern: PathBuf,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
+    #[arg(long, value_name = "OBJ")]
+    pub body: PathBuf,
+    /// Bring the body into the frame of patterns first
+    #[arg(long, value_enum, default_value_t = Align::None)]
+    pub align: Align,
+    /// Arrangement file to write (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Picture of the panels around the body before anything is sewn, to write (PNG)
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Arrangement file (TOML) to begin with: what it asks for is kept
+    #[arg(long, value_name = "FILE")]
+    pub arrangement: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -56,9 +139,13 @@ pub enum Garment {
 
 #[derive(Args, Debug)]
 pub struct Fit {
-    /// Sewing patterns, GarmentCode JSON files; several are worn one over the other, the innermost first
+    /// Sewing patterns: GarmentCode, or toile's own; several are worn one over the other, the innermost first
     #[arg(required = true, value_name = "PATTERN")]
     pub patterns: Vec<PathBuf>,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes; of several patterns
+    /// one for each, in their order
+    #[arg(long, value_name = "FILE")]
+    pub seams: Vec<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: PathBuf,
@@ -73,14 +160,21 @@ pub struct Fit {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     #[command(flatten)]
+    pub reading: Reading,
+    #[command(flatten)]
+    pub placing: Placing,
+    #[command(flatten)]
     pub solving: Solving,
 }
 
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// Sewing pattern, a GarmentCode JSON file
+    /// Sewing pattern: GarmentCode, or toile's own
     #[arg(required_unless_present = "replot")]
     pub pattern: Option<PathBuf>,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ", required_unless_present = "replot")]
     pub body: Option<PathBuf>,
@@ -118,13 +212,20 @@ pub struct Compare {
     #[arg(long)]
     pub whole: bool,
     #[command(flatten)]
+    pub reading: Reading,
+    #[command(flatten)]
     pub solving: Solving,
 }
 
 #[derive(Args, Debug)]
 pub struct Check {
-    /// Sewing pattern, a GarmentCode JSON file
+    /// Sewing pattern: GarmentCode, DXF (AAMA, ASTM), FreeSewing, or toile's own
     pub pattern: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Seams to sew instead of the pattern's own, a TOML file such as `toile seams suggest` writes
+    #[arg(long, value_name = "FILE")]
+    pub seams: Option<PathBuf>,
     /// Closed triangle mesh of the body, an OBJ file in metres, y up, facing +z
     #[arg(long, value_name = "OBJ")]
     pub body: Option<PathBuf>,
@@ -137,6 +238,8 @@ pub struct Check {
     /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
     #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
     pub levels: Option<String>,
+    #[command(flatten)]
+    pub placing: Placing,
 }
 
 #[derive(Args, Debug)]

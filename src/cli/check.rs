@@ -5,6 +5,7 @@
 
 use super::arguments::Check;
 use super::inputs::{BodyInput, PatternInput};
+use super::place::place_all;
 use super::{Failure, Status, complaint};
 use crate::arrangement::{Care, arrange, check_placement, placed};
 use crate::garment::Garment;
@@ -26,7 +27,8 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
     // What is wrong with the one file must not hide what is wrong with the other.
     let mut errors: Vec<Error> = Vec::new();
     let mut sound = |result: Result<_, Error>| result.map_err(|e| errors.push(e)).ok();
-    let opened = sound(PatternInput::open(&asked.pattern).and_then(|input| {
+    let options = asked.reading.options()?;
+    let opened = sound(PatternInput::open_sewn(&asked.pattern, asked.seams.as_deref(), &options).and_then(|input| {
         let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
         built.map(|garment| (input, garment))
     }));
@@ -37,7 +39,14 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
             None
         }
     };
-    if let (Some((input, _)), Some(body)) = (&opened, &body)
+    let mut opened = opened;
+    if let (Some((input, _)), Some(body)) = (&mut opened, &body)
+        && let Err(Failure::Input(e) | Failure::Usage(e)) =
+            place_all(std::slice::from_mut(input), body, &asked.placing, true)
+    {
+        errors.push(e);
+    } else if let (Some((input, _)), Some(body)) = (&opened, &body)
+        && input.pattern.is_placed()
         && let Err(e) = check_placement(&input.pattern, &body.body)
     {
         errors.push(e.within(&input.place));
@@ -64,6 +73,7 @@ fn findings(input: &PatternInput, garment: &Garment, body: Option<&BodyInput>) -
         );
     }
     let mut doubts: Vec<String> = input.warnings.iter().map(told).collect();
+    doubts.extend(unfinished(pattern));
     doubts.extend(unequal_seams(pattern));
     if let Some(body) = body {
         doubts.extend(body.warnings.iter().map(told));
@@ -79,7 +89,9 @@ fn findings(input: &PatternInput, garment: &Garment, body: Option<&BodyInput>) -
         if let Some(alignment) = &body.alignment {
             let _ = writeln!(text, "  aligned: it is {}", alignment.describe());
         }
-        doubts.extend(standing(pattern, garment, body));
+        if pattern.is_placed() {
+            doubts.extend(standing(pattern, garment, body));
+        }
     }
     let verdict = match doubts.len() {
         0 => "nothing wrong, nothing doubtful".to_owned(),
@@ -106,7 +118,7 @@ fn told(warning: &Warning) -> String {
 
 fn describe_pattern(text: &mut String, pattern: &Pattern) {
     let area: f64 = pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
-    let seam: f64 = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).sum();
+    let seam = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).fold(0.0, |sum, length| sum + length);
     let _ = writeln!(
         text,
         "pattern {}: {} panels of {area:.2} m² in all, {} seams of {seam:.2} m",
@@ -114,6 +126,22 @@ fn describe_pattern(text: &mut String, pattern: &Pattern) {
         pattern.panels.len(),
         pattern.seams.len(),
     );
+}
+
+/// What a drawing does not hold, and a fit needs.
+fn unfinished(pattern: &Pattern) -> Vec<String> {
+    let mut doubts = Vec::new();
+    let lying = pattern.panels.iter().filter(|p| p.placement.is_none()).count();
+    if lying > 0 {
+        doubts.push(format!(
+            "{lying} of {} panels lie in the plane as drawn, without a place around the body; the pattern cannot be fitted yet.",
+            pattern.panels.len()
+        ));
+    }
+    if pattern.seams.is_empty() {
+        doubts.push("The pattern has no seams: nothing will be sewn.".to_owned());
+    }
+    doubts
 }
 
 fn unequal_seams(pattern: &Pattern) -> impl Iterator<Item = String> + '_ {

@@ -41,7 +41,7 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
         unreachable!("clap asks for these three unless something is drawn again");
     };
     let threads = start_threads(asked.solving.threads()?);
-    let pattern = PatternInput::open(pattern)?;
+    let pattern = PatternInput::open_sewn(pattern, asked.seams.as_deref(), &asked.reading.options()?)?.for_fitting()?;
     let body = BodyInput::open(body, asked.align)?;
     let fabric = fabric(asked.solving.fabric.as_deref())?;
     // Better to know now than after the work that the results cannot be written.

@@ -3,7 +3,7 @@
 use super::arguments::{Demo, Garment};
 use super::inputs::{BodyInput, PatternInput, settings_text};
 use super::{Failure, Status, fit};
-use crate::io::embedded;
+use crate::io::{dxf, embedded};
 use std::time::Instant;
 
 pub fn run(asked: &Demo) -> Result<Status, Failure> {
@@ -14,7 +14,7 @@ pub fn run(asked: &Demo) -> Result<Status, Failure> {
         Garment::Tee => ("tee", embedded::TEE),
         Garment::Dress => ("dress", embedded::DRESS),
     };
-    let pattern = PatternInput::parse(text.to_owned(), name, "the embedded pattern")?;
+    let pattern = PatternInput::parse(text.as_bytes(), name, "the embedded pattern", &dxf::Options::default())?;
     let body = BodyInput::parse(embedded::MANNEQUIN_OBJ, "mannequin")?;
     fit::fit(&[pattern], &body, &settings, &asked.solving, &asked.out, started)
 }

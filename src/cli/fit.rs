@@ -2,6 +2,7 @@
 
 use super::arguments::{Fit, Progress, Solving, wants_equilibrium};
 use super::inputs::{BodyInput, PatternInput, fabrics, settings_text, tell};
+use super::place::place_all;
 use super::progress::Watcher;
 use super::stopwatch::Stopwatch;
 use super::{Failure, Status, complaint, results};
@@ -19,9 +20,25 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
     let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
     start_threads(asked.solving.threads()?);
-    let patterns: Vec<PatternInput> = asked.patterns.iter().map(|p| PatternInput::open(p)).collect::<Result<_, _>>()?;
+    let options = asked.reading.options()?;
+    if !asked.seams.is_empty() && asked.seams.len() != asked.patterns.len() {
+        let problem = format!("{} files of seams are given for {} patterns.", asked.seams.len(), asked.patterns.len());
+        return Err(Failure::Usage(
+            Error::new(problem, "Give one for each, in the order of the patterns.").within("--seams"),
+        ));
+    }
+    let seams = asked.seams.iter().map(|path| Some(path.as_path())).chain(std::iter::repeat(None));
+    let mut patterns: Vec<PatternInput> = asked
+        .patterns
+        .iter()
+        .zip(seams)
+        .map(|(path, seams)| PatternInput::open_sewn(path, seams, &options))
+        .collect::<Result<_, _>>()?;
     let mut body = BodyInput::open(&asked.body, asked.align)?;
     asked.over.iter().try_for_each(|worn| body.put_on(worn))?;
+    let silent = asked.solving.progress == Progress::None;
+    patterns.iter().try_for_each(PatternInput::check_sewn)?;
+    place_all(&mut patterns, &body, &asked.placing, silent)?;
     fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)
 }
 

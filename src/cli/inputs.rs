@@ -3,34 +3,90 @@
 use super::arguments::{Align, Solving};
 use super::stopwatch::Moment;
 use super::{Failure, complaint};
+use crate::arrangement::check_placed;
 use crate::body::{Alignment, Body};
 use crate::geometry::Vector3;
 use crate::io::report::Stage;
-use crate::io::{body_obj, fabric_toml, garmentcode, read, state};
+use crate::io::{body_obj, dxf, fabric_toml, pattern_file, read, seams_toml, state};
 use crate::pattern::{Fabric, Pattern};
 use crate::{Error, Warning};
 use std::path::Path;
 
-/// A pattern, the text it came from, and what to call it.
+/// A pattern, and what to call it.
 pub struct PatternInput {
     pub pattern: Pattern,
     /// The file, for messages.
     pub place: String,
-    pub text: String,
+    /// Of the file.
     pub sha256: String,
     pub warnings: Vec<Warning>,
 }
 
 impl PatternInput {
-    /// Reads a pattern file.
-    pub fn open(path: &Path) -> Result<Self, Error> {
-        let place = path.display().to_string();
-        Self::parse(read::text(path)?, &name_of(path), &place).map_err(|e| e.within(place))
+    /// Reads a pattern file and sews it by a file of seams, if one is given.
+    pub fn open_sewn(path: &Path, seams: Option<&Path>, options: &dxf::Options) -> Result<Self, Error> {
+        let mut input = Self::open(path, options)?;
+        let Some(seams) = seams else { return Ok(input) };
+        let text = read::text(seams)?;
+        let within = |e: Error| e.within(seams.display());
+        let sewn = seams_toml::sew(&input.pattern, &text).map_err(within)?;
+        if !input.pattern.seams.is_empty() {
+            input.warnings.push(Warning(
+                Error::new(
+                    format!(
+                        "The {} seams of the pattern itself are left aside for those of this file.",
+                        input.pattern.seams.len()
+                    ),
+                    "Leave --seams out to sew the pattern's own.",
+                )
+                .within(seams.display()),
+            ));
+        }
+        for (panel, _) in input.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
+            input.warnings.push(Warning(
+                Error::new(
+                    "The panel is turned over, so that the right sides of all panels lie outside.",
+                    "If it is drawn right side up, look at the seams around it with `toile seams show`.",
+                )
+                .within(format!("panel \"{}\"", panel.name))
+                .within(seams.display()),
+            ));
+        }
+        input.warnings.extend(sewn.warnings.into_iter().map(|w| Warning(within(w.0))));
+        input.pattern = sewn.pattern;
+        Ok(input)
     }
 
-    pub fn parse(text: String, name: &str, place: &str) -> Result<Self, Error> {
-        let (pattern, warnings) = garmentcode::parse(&text, name)?;
-        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(text.as_bytes()), text, warnings })
+    /// Reads a pattern file of any kind.
+    pub fn open(path: &Path, options: &dxf::Options) -> Result<Self, Error> {
+        let place = path.display().to_string();
+        Self::parse(&read::bytes(path)?, &name_of(path), &place, options).map_err(|e| e.within(place))
+    }
+
+    pub fn parse(bytes: &[u8], name: &str, place: &str, options: &dxf::Options) -> Result<Self, Error> {
+        let (pattern, warnings) = pattern_file::open(bytes, name, options)?;
+        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(bytes), warnings })
+    }
+
+    /// Is there anything that holds its panels together?
+    pub fn check_sewn(&self) -> Result<(), Error> {
+        if self.pattern.panels.len() < 2 || !self.pattern.seams.is_empty() {
+            return Ok(());
+        }
+        Err(Error::new(
+            format!(
+                "Its {} panels have no seams: drawings such as DXF and FreeSewing hold none.",
+                self.pattern.panels.len()
+            ),
+            "Have seams proposed with `toile seams suggest`, look them over, and give the file with --seams.",
+        )
+        .within(&self.place))
+    }
+
+    /// The same, if it can be fitted: its panels have places around the body.
+    pub fn for_fitting(self) -> Result<Self, Error> {
+        check_placed(&self.pattern).map_err(|e| e.within(&self.place))?;
+        Ok(self)
     }
 }
 

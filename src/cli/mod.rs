@@ -6,12 +6,15 @@ mod body;
 mod check;
 mod compare;
 mod complaint;
+mod convert;
 mod demo;
 mod export;
 mod fit;
 mod inputs;
+mod place;
 mod progress;
 mod results;
+mod seams;
 mod simulate;
 mod simulation_results;
 mod stopwatch;
@@ -91,5 +94,8 @@ fn execute(command: &Command) -> Result<Status, Failure> {
         Command::Export(export) => export::run(export),
         Command::Simulate(simulate) => simulate::run(simulate),
         Command::Body(body) => body::run(body),
+        Command::Convert(convert) => convert::run(convert),
+        Command::Seams(asked) => seams::run(asked),
+        Command::Place(asked) => place::run(asked),
     }
 }

@@ -11,7 +11,7 @@ use crate::io::picture::{
 };
 use crate::io::report::{Host, RunFacts, Solve, report, to_json};
 use crate::io::state::{self, State};
-use crate::io::{atomic, garment_obj, glb};
+use crate::io::{atomic, garment_obj, glb, pattern_file};
 use crate::pattern::Fabric;
 use crate::prepositioning::{Outcome, Outfit, Settings};
 use nalgebra::Point3;
@@ -93,7 +93,7 @@ fn state_of(run: &Run) -> State {
     State {
         toile_version: env!("CARGO_PKG_VERSION").to_owned(),
         pattern_name: run.pattern.pattern.name.clone(),
-        pattern_text: run.pattern.text.clone(),
+        pattern_text: pattern_file::stored(&run.pattern.pattern),
         pattern_sha256: run.pattern.sha256.clone(),
         body_name: run.body.name.clone(),
         body_sha256: run.body.sha256.clone(),

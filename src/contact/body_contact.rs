@@ -501,7 +501,7 @@ mod tests {
         let field = DistanceField::new(&body, 0.01, 0.03);
         let corners = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]].map(Vector2::from);
         let segments = (0..4).map(|k| Segment { curve: Curve::line(corners[k], corners[(k + 1) % 4]), label: None });
-        let placement = Placement { rotation: nalgebra::Rotation3::identity(), translation: Vector3::zeros() };
+        let placement = Placement::flat(nalgebra::Rotation3::identity(), Vector3::zeros());
         let panel = Panel::new("cloth", segments.collect()).at(placement);
         let pattern = Pattern { name: "cloth".into(), panels: vec![panel], seams: vec![] };
         let level = Garment::build(&pattern, &[0.03]).unwrap().levels.remove(0);

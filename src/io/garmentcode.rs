@@ -46,10 +46,8 @@ struct Properties {
 struct RawPanel {
     vertices: Vec<[f64; 2]>,
     edges: Vec<RawEdge>,
-    #[serde(default)]
-    translation: [f64; 3],
-    #[serde(default)]
-    rotation: [f64; 3],
+    translation: Option<[f64; 3]>,
+    rotation: Option<[f64; 3]>,
     label: Option<String>,
 }
 
@@ -218,12 +216,15 @@ fn read_panel(name: &str, raw: &RawPanel, unit: &Unit, warnings: &mut Vec<Warnin
             None
         }
     };
-    let [a, b, c] = raw.rotation.map(f64::to_radians);
+    // A panel with neither lies in the plane as it was drawn.
+    let is_placed = raw.translation.is_some() || raw.rotation.is_some();
+    let [a, b, c] = raw.rotation.unwrap_or_default().map(f64::to_radians);
     // About x first, then y, then z, all fixed: the order of the tool's own mesher, not that of the
     // angles it writes (docs/formats.md).
     let rotation = Rotation3::from_euler_angles(a, b, c);
-    let translation = Vector3::from(raw.translation) * unit.metres;
-    Ok(Panel { part, ..Panel::new(name, segments).at(Placement { rotation, translation }) })
+    let translation = Vector3::from(raw.translation.unwrap_or_default()) * unit.metres;
+    let placement = is_placed.then(|| Placement::flat(rotation, translation));
+    Ok(Panel { part, placement, ..Panel::new(name, segments) })
 }
 
 /// The edges must form one loop: each starts at the vertex where the one before ended.

@@ -16,6 +16,63 @@ const UNITS: [(&str, i32); 3] = [("mm", -3), ("cm", -2), ("m", 0)];
 const FOREIGN_UNITS: [(&[&str], f64); 2] =
     [(&["in", "inch", "inches", "\"", "″", "”"], 0.0254), (&["ft", "foot", "feet", "'", "′", "’"], 0.3048)];
 
+/// The unit in which a pattern file is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub enum Unit {
+    #[serde(rename = "mm")]
+    Millimetre,
+    #[serde(rename = "cm")]
+    Centimetre,
+    #[serde(rename = "in")]
+    Inch,
+    #[serde(rename = "m")]
+    Metre,
+}
+
+impl Unit {
+    /// A unit by its usual sign.
+    pub fn named(sign: &str) -> Result<Self, Error> {
+        match sign.trim() {
+            "mm" => Ok(Self::Millimetre),
+            "cm" => Ok(Self::Centimetre),
+            "in" | "inch" => Ok(Self::Inch),
+            "m" => Ok(Self::Metre),
+            other => Err(Error::new(format!("The unit {} is not known.", quoted(other)), "Give mm, cm, in or m.")),
+        }
+    }
+
+    /// A number of the file in metres. A metre is exact.
+    pub fn to_metres(self, number: f64) -> f64 {
+        match self {
+            Self::Millimetre => number / 1000.0,
+            Self::Centimetre => number / 100.0,
+            Self::Inch => number * 0.0254,
+            Self::Metre => number,
+        }
+    }
+
+    /// In words, for messages.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Millimetre => "millimetres",
+            Self::Centimetre => "centimetres",
+            Self::Inch => "inches",
+            Self::Metre => "metres",
+        }
+    }
+
+    /// The usual sign.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Inch => "in",
+            Self::Metre => "m",
+        }
+    }
+}
+
 /// A positive length with its unit, in metres.
 pub fn parse(text: &str) -> Result<f64, Error> {
     positive(text, parse_or_zero(text)?)

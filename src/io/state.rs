@@ -1,6 +1,6 @@
 //! `state.toile`: all that a later command needs to go on from a fitted garment.
 //!
-//! The file holds the pattern's own text and the settings, from which the levels are built again
+//! The file holds the pattern as text, in our own format, and the settings, from which the levels are built again
 //! exactly; of the run it holds the positions alone. Layout, all numbers little-endian:
 //!
 //! ```text
@@ -14,7 +14,7 @@
 //! A reader skips tags that it does not know; whatever changes the meaning of a known one is a new
 //! version.
 
-use super::{fabric_toml, garmentcode, settings_toml};
+use super::{dxf, fabric_toml, pattern_file, settings_toml};
 use crate::Error;
 use crate::garment::Garment;
 use crate::geometry::Vector3;
@@ -27,7 +27,7 @@ pub struct State {
     /// Of the program that wrote the file.
     pub toile_version: String,
     pub pattern_name: String,
-    /// The pattern file itself.
+    /// The pattern as a file of text, such as [`pattern_file::stored`] makes.
     pub pattern_text: String,
     /// Hexadecimal, of the pattern file.
     pub pattern_sha256: String,
@@ -113,7 +113,8 @@ pub fn read(bytes: &[u8]) -> Result<State, Error> {
 impl State {
     /// The pattern and the garment that the positions belong to, built again.
     pub fn rebuild(&self) -> Result<(Pattern, Garment), Error> {
-        let (pattern, _) = garmentcode::parse(&self.pattern_text, &self.pattern_name)?;
+        let text = self.pattern_text.as_bytes();
+        let (pattern, _) = pattern_file::open(text, &self.pattern_name, &dxf::Options::default())?;
         let garment = Garment::build(&pattern, &self.settings.resolutions)?;
         let particles = garment.levels.last().map_or(0, |level| level.particle_count);
         if (particles, pattern.panels.len()) != (self.positions.len(), self.shifts.len()) {

@@ -20,7 +20,12 @@ impl<'t> Keys<'t> {
             )
             .within(line_of(text, start))
         })?;
-        let keys = Self { table: table.into_inner(), text };
+        Self::of(table.into_inner(), text, known)
+    }
+
+    /// A table of a text, whose keys are all in `known`.
+    fn of(table: DeTable<'t>, text: &'t str, known: &[&str]) -> Result<Self, Error> {
+        let keys = Self { table, text };
         // In the order of the file, so that the first slip is the one that is told.
         let mut unknown: Vec<_> = keys.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).collect();
         unknown.sort_by_key(|key| key.span().start);
@@ -31,6 +36,46 @@ impl<'t> Keys<'t> {
                 let problem = format!("The key `{}` is not known.", shortened(name));
                 Err(Error::new(problem, remedy_for_key(name, known)).within(line_of(text, key.span().start)))
             }
+        }
+    }
+
+    /// The tables of a key that is written `[[key]]`, each with the line on which it starts; keys of each are in
+    /// `known`. None where the key is missing.
+    pub fn tables(&self, key: &str, known: &[&str]) -> Result<Vec<(Keys<'t>, String)>, Error> {
+        let Some(value) = self.table.get(key) else { return Ok(Vec::new()) };
+        let wrong = || self.wrong(key, "is not a list of tables", &format!("Start each with a line `[[{key}]]`."));
+        let array = value.get_ref().as_array().ok_or_else(wrong)?;
+        let table = |value: &toml::Spanned<DeValue<'t>>| {
+            let table = value.get_ref().as_table().ok_or_else(wrong)?.clone();
+            Ok((Keys::of(table, self.text, known)?, line_of(self.text, value.span().start)))
+        };
+        array.iter().map(table).collect()
+    }
+
+    /// The lists of texts of a key, one for each entry; an entry is a text or a list of texts.
+    pub fn lists(&self, key: &str) -> Result<Option<Vec<Vec<&str>>>, Error> {
+        let Some(value) = self.table.get(key) else { return Ok(None) };
+        let wrong = || {
+            self.wrong(key, "is not a list of texts", "Write [\"one\", \"other\"]; an entry may itself be such a list.")
+        };
+        let text = |value: &'_ toml::Spanned<DeValue<'t>>| value.get_ref().as_str().is_some();
+        let entry = |value| -> Result<Vec<&str>, Error> {
+            let value: &toml::Spanned<DeValue<'t>> = value;
+            if let Some(one) = value.get_ref().as_str() {
+                return Ok(vec![one]);
+            }
+            let inner = value.get_ref().as_array().filter(|inner| inner.iter().all(text)).ok_or_else(wrong)?;
+            Ok(inner.iter().filter_map(|v| v.get_ref().as_str()).collect())
+        };
+        value.get_ref().as_array().ok_or_else(wrong)?.iter().map(entry).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Yes or no, if the key is there.
+    pub fn truth(&self, key: &str) -> Result<Option<bool>, Error> {
+        let Some(value) = self.table.get(key) else { return Ok(None) };
+        match value.get_ref().as_bool() {
+            Some(truth) => Ok(Some(truth)),
+            None => Err(self.wrong(key, "is neither true nor false", "Write true or false, without quotes.")),
         }
     }
 
@@ -81,7 +126,7 @@ fn integer(value: &DeValue) -> Option<i64> {
     i64::from_str_radix(&integer.as_str().replace('_', ""), integer.radix()).ok()
 }
 
-fn line_of(text: &str, at: usize) -> String {
+pub fn line_of(text: &str, at: usize) -> String {
     let before = text.as_bytes().iter().take(at);
     format!("line {}", 1 + before.filter(|&&b| b == b'\n').count())
 }

@@ -101,7 +101,8 @@ impl Panel {
                 )));
             }
             let chord = (segment.curve.end - segment.curve.start).norm();
-            if chord.max(segment.curve.length()) < SHORTEST_SEGMENT {
+            // Long curves are not measured: it takes time.
+            if chord < SHORTEST_SEGMENT && segment.curve.length() < SHORTEST_SEGMENT {
                 return Err(at(Error::new(
                     "The edge has no length.",
                     "Remove it and let its neighbours meet in one corner.",
@@ -128,7 +129,15 @@ impl Panel {
     fn check_extent(&self) -> Result<(), Error> {
         let shift = self.placement.as_ref().map_or(0.0, |placement| placement.translation.norm());
         let turned = |placement: &Placement| placement.rotation.matrix().iter().all(|r| r.is_finite());
-        if !(shift.is_finite() && self.placement.as_ref().is_none_or(turned)) {
+        let bent = |placement: &Placement| {
+            placement.bend.is_none_or(|bend| {
+                bend.radius.is_finite()
+                    && bend.radius != 0.0
+                    && (bend.along.norm() - 1.0).abs() < 1e-6
+                    && bend.origin.norm().is_finite()
+            })
+        };
+        if !(shift.is_finite() && self.placement.as_ref().is_none_or(|p| turned(p) && bent(p))) {
             return Err(Error::new(
                 "The placement is not finite.",
                 "Give the translation and rotation as plain numbers.",
@@ -146,7 +155,7 @@ impl Panel {
         let farthest = |points: &mut dyn Iterator<Item = Vector2>| points.map(|p| p.norm()).fold(shift, f64::max);
         near(farthest(&mut self.segments.iter().flat_map(|s| s.curve.control_points())))?;
         // Arcs may bulge out.
-        near(farthest(&mut self.polygon(8).into_iter()))
+        near(farthest(&mut self.segments.iter().flat_map(|s| s.curve.sketch(8))))
     }
 }
 

@@ -7,11 +7,20 @@
 mod check;
 mod curve;
 mod fabric;
+mod motion;
+mod path;
+pub mod sewing;
 #[cfg(test)]
 pub(crate) mod shapes;
+mod spline;
+mod split;
+pub mod suggest;
 
 pub use curve::{Arc, Curve, Shape};
 pub use fabric::{Cut, Directional, Fabric, PRESETS, Preset, Quality};
+pub use motion::Motion;
+pub use path::Path;
+pub use spline::{joined, through};
 
 use crate::geometry::{Vector2, Vector3, polygon_crossing};
 use nalgebra::Rotation3;
@@ -76,18 +85,55 @@ pub struct Segment {
     pub label: Option<SegmentLabel>,
 }
 
-/// Where a flat panel starts: `world = rotation * (x, y, 0) + translation`.
+/// Where a panel starts: flat, `world = rotation * (x, y, 0) + translation`, or bent before that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     pub rotation: Rotation3<f64>,
     /// m.
     pub translation: Vector3,
+    /// None for a flat panel.
+    pub bend: Option<Bend>,
+}
+
+/// A panel rolled around a cylinder that touches it along a line: no length on it changes.
+///
+/// ```text
+///        along                       across --> _______ line        radius > 0: the axis of the cylinder lies
+///          ^    the line of touch             /         \           at the panel's -z, its +z faces outward;
+///          |                                 |     o     |          radius < 0: the other way round
+///          origin --> across                  \  axis   /
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bend {
+    /// A point of the line along which the flat panel and the cylinder touch, m, panel coordinates.
+    pub origin: Vector2,
+    /// Unit vector along that line, panel coordinates.
+    pub along: Vector2,
+    /// m, not zero.
+    pub radius: f64,
+}
+
+impl Bend {
+    /// Where a point of the panel comes to lie in the panel's own frame, m.
+    pub fn bend(&self, point: Vector2) -> Vector3 {
+        let across = Vector2::new(self.along.y, -self.along.x);
+        let from = point - self.origin;
+        let (sin, cos) = (from.dot(&across) / self.radius).sin_cos();
+        let flat = self.origin + self.along * from.dot(&self.along) + across * (self.radius * sin);
+        Vector3::new(flat.x, flat.y, self.radius * (cos - 1.0))
+    }
 }
 
 impl Placement {
+    /// A panel that stays flat.
+    pub fn flat(rotation: Rotation3<f64>, translation: Vector3) -> Self {
+        Self { rotation, translation, bend: None }
+    }
+
     /// Where a point of the panel starts in the world.
     pub fn place(&self, point: Vector2) -> Vector3 {
-        self.rotation * Vector3::new(point.x, point.y, 0.0) + self.translation
+        let in_panel = self.bend.map_or(Vector3::new(point.x, point.y, 0.0), |bend| bend.bend(point));
+        self.rotation * in_panel + self.translation
     }
 }
 
@@ -149,6 +195,11 @@ impl Pattern {
         &self.panels[id.panel].segments[id.segment]
     }
 
+    /// Have all panels places around a body?
+    pub fn is_placed(&self) -> bool {
+        self.panels.iter().all(|panel| panel.placement.is_some())
+    }
+
     /// Lengths of the two sides of a seam, m.
     pub fn seam_lengths(&self, seam: &Seam) -> [f64; 2] {
         seam.sides.map(|side| self.segment(side).curve.length())
@@ -196,28 +247,60 @@ impl Panel {
         self.segments.iter().map(|s| s.curve.length()).sum()
     }
 
-    /// Unit normal of the right side of the fabric at its start, in the world. The panel has a placement.
+    /// Unit normal of the right side of the fabric at its start, in the world; of a bent panel that along the line where
+    /// it touches its cylinder. The panel has a placement.
     pub fn outward_normal(&self) -> Vector3 {
         self.start().rotation * Vector3::new(0.0, 0.0, self.signed_area().signum())
     }
 
     /// Points along the outline, `per_curve` for each curved segment and one for each straight one.
     pub fn polygon(&self, per_curve: usize) -> Vec<Vector2> {
-        let points = |s: &Segment| {
-            let count = if s.curve.is_straight() { 1 } else { per_curve };
-            let curve = s.curve;
-            (0..count).map(move |i| curve.at_fraction(i as f64 / count as f64))
-        };
-        self.segments.iter().flat_map(points).collect()
+        let mut points = Vec::new();
+        for Segment { curve, .. } in &self.segments {
+            let count = if curve.is_straight() { 1 } else { per_curve };
+            points.extend((0..count).map(|i| curve.at_fraction(i as f64 / count as f64)));
+        }
+        points
     }
 
     /// The first two segments whose curves cross each other, if any do.
     pub fn crossing_segments(&self) -> Option<(usize, usize)> {
         // Chords of a twenty-fourth stay within 0.1 % of the length of any curve that is cut in cloth.
         const PER_CURVE: usize = 24;
-        let owner: Vec<usize> = (0..self.segments.len())
-            .flat_map(|k| std::iter::repeat_n(k, if self.segments[k].curve.is_straight() { 1 } else { PER_CURVE }))
-            .collect();
-        polygon_crossing(&self.polygon(PER_CURVE)).map(|(i, j)| (owner[i], owner[j]))
+        let mut owner: Vec<usize> = Vec::new();
+        let mut points: Vec<Vector2> = Vec::new();
+        for (k, segment) in self.segments.iter().enumerate() {
+            points.extend(segment.curve.sketch(PER_CURVE));
+            owner.resize(points.len(), k);
+        }
+        polygon_crossing(&points).map(|(i, j)| (owner[i], owner[j]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bending_keeps_lengths_and_brings_the_right_side_outside() {
+        for radius in [0.1, -0.1] {
+            let along = Vector2::new(0.6, 0.8);
+            let bend = Bend { origin: Vector2::new(0.3, -0.2), along, radius };
+            let axis = Vector3::new(0.3, -0.2, -radius);
+            let along_3d = Vector3::new(along.x, along.y, 0.0);
+            for k in 0..40 {
+                let point = Vector2::new(0.3 + 0.01 * f64::from(k), 0.02 * f64::from(k) - 0.5);
+                let off = bend.bend(point) - axis;
+                let from_axis = off - along_3d * off.dot(&along_3d);
+                assert!((from_axis.norm() - 0.1).abs() < 1e-12, "all points lie on the cylinder");
+                let step = 1e-6;
+                let along_x = (bend.bend(point + Vector2::x() * step) - bend.bend(point)) / step;
+                let along_y = (bend.bend(point + Vector2::y() * step) - bend.bend(point)) / step;
+                assert!((along_x.norm() - 1.0).abs() < 1e-4 && along_x.dot(&along_y).abs() < 1e-4, "no length changes");
+                // The panel's +z faces away from the axis where the radius is positive.
+                assert!(along_x.cross(&along_y).dot(&from_axis) * radius > 0.0);
+            }
+            assert_eq!(bend.bend(bend.origin), Vector3::new(0.3, -0.2, 0.0));
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::*;
 pub fn polygon(name: &str, corners: &[[f64; 2]]) -> Panel {
     let corner = |k: usize| Vector2::from(corners[k % corners.len()]);
     let side = |k| Segment { curve: Curve::line(corner(k), corner(k + 1)), label: None };
-    let placement = Placement { rotation: Rotation3::identity(), translation: Vector3::zeros() };
+    let placement = Placement::flat(Rotation3::identity(), Vector3::zeros());
     Panel::new(name, (0..corners.len()).map(side).collect()).at(placement)
 }
 

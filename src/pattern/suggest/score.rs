@@ -1,0 +1,342 @@
+//! What speaks for and against sewing two segments together.
+
+use super::names::{Part, Role, role, together};
+use crate::geometry::{Vector2, Vector3};
+use crate::pattern::sewing::Measured;
+use crate::pattern::sewing::evidence::corner_angle;
+use crate::pattern::{BodyPart, NotchKind, Pattern, SegmentId, SegmentLabel};
+
+/// Points at which segments are compared.
+const PROBES: usize = 5;
+
+/// What is known of one segment.
+struct Edge {
+    length: f64,
+    /// Its form: how far it bulges out of its panel beyond its chord, as a share of the chord; negative inwards.
+    bulge: f64,
+    /// How far it leaves its chord at the most, as a share.
+    curved: f64,
+    /// In the world, from its start to its end; none without a placement.
+    points: Option<[Vector3; PROBES]>,
+    /// Out of the panel across the segment, in the world, of length one.
+    outwards: Vector3,
+    /// Where the right side faces.
+    normal: Vector3,
+    /// Interior angles of the panel at start and end, radians.
+    angles: [f64; 2],
+    notches: Vec<(f64, NotchKind)>,
+    label: Option<SegmentLabel>,
+}
+
+/// All segments of a pattern.
+pub struct Edges<'p> {
+    pattern: &'p Pattern,
+    pub ids: Vec<SegmentId>,
+    edges: Vec<Edge>,
+    roles: Vec<Role>,
+    /// Per panel: index of its first segment.
+    first: Vec<usize>,
+    /// Per panel: its middle in the world.
+    middle: Vec<Vector3>,
+}
+
+/// A pair with its score.
+#[derive(Clone)]
+pub struct Scored {
+    pub a: usize,
+    pub b: usize,
+    pub score: f64,
+    pub reasons: Vec<String>,
+}
+
+impl<'p> Edges<'p> {
+    pub fn new(pattern: &'p Pattern) -> Self {
+        let measured = Measured::new(pattern);
+        let mut made = Self {
+            pattern,
+            ids: Vec::new(),
+            edges: Vec::new(),
+            roles: pattern.panels.iter().map(|p| role(&p.name)).collect(),
+            first: Vec::new(),
+            middle: Vec::new(),
+        };
+        for (panel, drawn) in pattern.panels.iter().enumerate() {
+            made.first.push(made.ids.len());
+            let turn = drawn.signed_area().signum();
+            let count = drawn.segments.len();
+            let mut middle = Vector3::zeros();
+            for segment in 0..count {
+                let id = SegmentId { panel, segment };
+                let at = |t: f64| measured.point(id, t);
+                let (start, end) = (at(0.0), at(1.0));
+                let chord = end - start;
+                let length = measured.length_of(id);
+                let size = chord.norm().max(1e-6);
+                // To the right of the travel is outside where the outline runs counter-clockwise.
+                let out = Vector2::new(chord.y, -chord.x) / size * turn;
+                let bulges = [0.25, 0.5, 0.75].map(|t| (at(t) - start).dot(&out) / size);
+                let place = |p: Vector2| drawn.placement.as_ref().map(|placement| placement.place(p));
+                let points: Option<Vec<Vector3>> =
+                    (0..PROBES).map(|k| place(at(k as f64 / (PROBES - 1) as f64))).collect();
+                let points: Option<[Vector3; PROBES]> = points.and_then(|points| points.try_into().ok());
+                let turned = |v: Vector3| drawn.placement.as_ref().map_or(v, |placement| placement.rotation * v);
+                middle += points.map_or_else(Vector3::zeros, |p| p[0] / count as f64);
+                let marks = drawn.markings.notches.iter().filter(|n| n.segment == segment);
+                made.edges.push(Edge {
+                    length,
+                    bulge: bulges.iter().sum::<f64>() / 3.0,
+                    curved: bulges.iter().fold(0.0, |m, b| f64::max(m, b.abs())),
+                    points,
+                    outwards: turned(Vector3::new(out.x, out.y, 0.0)),
+                    normal: turned(Vector3::new(0.0, 0.0, turn)),
+                    angles: [segment, (segment + 1) % count]
+                        .map(|corner| corner_angle(pattern, &measured, panel, corner)),
+                    notches: marks.map(|n| (n.fraction, n.kind)).collect(),
+                    label: drawn.segments[segment].label,
+                });
+                made.ids.push(id);
+            }
+            made.middle.push(middle);
+        }
+        made
+    }
+
+    /// The corners that a seam would join, by the index of the segment that starts there.
+    pub fn ends(&self, pair: &Scored) -> [[u32; 2]; 2] {
+        let corner = |edge: usize, end: usize| {
+            let id = self.ids[edge];
+            let count = self.pattern.panels[id.panel].segments.len();
+            (self.first[id.panel] + (id.segment + end) % count) as u32
+        };
+        [[corner(pair.a, 0), corner(pair.b, 1)], [corner(pair.a, 1), corner(pair.b, 0)]]
+    }
+
+    pub fn score(&self, a: usize, b: usize) -> Scored {
+        let mut made = Scored { a, b, score: 0.0, reasons: Vec::new() };
+        let (ea, eb) = (&self.edges[a], &self.edges[b]);
+        let (panel_a, panel_b) = (self.ids[a].panel, self.ids[b].panel);
+        let ratio = ea.length.min(eb.length) / ea.length.max(eb.length);
+        if panel_a == panel_b {
+            self.within_panel(&mut made, ratio);
+            return made;
+        }
+        made.score += match ratio {
+            r if r > 0.995 => 2.0,
+            r if r > 0.97 => 1.3,
+            r if r > 0.9 => 0.5,
+            r if r > 0.6 => -0.2,
+            r if r > 0.35 => -0.8,
+            _ => -4.0,
+        };
+        made.reasons.push(match ratio {
+            r if r > 0.995 => "equal lengths".to_owned(),
+            r => format!("{:.0} % longer on one side", 100.0 * (1.0 / r - 1.0)),
+        });
+        let named = together(&self.roles[panel_a], &self.roles[panel_b]);
+        made.score += 0.8 * named;
+        if named > 0.5 {
+            made.reasons.push("names".to_owned());
+        }
+        let form = (ea.bulge - eb.bulge).abs().min((ea.bulge + eb.bulge).abs());
+        made.score += 0.5 - 6.0 * form.min(0.3);
+        if form < 0.01 && ea.curved > 0.03 {
+            made.reasons.push("equal curves".to_owned());
+        }
+        self.notches(&mut made);
+        match (&ea.points, &eb.points) {
+            (Some(p), Some(q)) => self.placed(&mut made, p, q),
+            _ => self.unplaced(&mut made),
+        }
+        made
+    }
+
+    /// What part of the garment the panel of a segment is.
+    fn part(&self, edge: usize) -> Option<Part> {
+        let panel = self.ids[edge].panel;
+        let labelled = self.pattern.panels[panel].part.and_then(|part| match part {
+            BodyPart::Arm => Some(Part::Sleeve),
+            BodyPart::Body => Some(Part::Torso),
+            BodyPart::Leg => None,
+        });
+        self.roles[panel].part.or(labelled)
+    }
+
+    /// Darts, and tubes of one panel.
+    fn within_panel(&self, made: &mut Scored, ratio: f64) {
+        /// A dart turns the outline back into the panel by more than this, radians.
+        const DART: f64 = 1.25 * std::f64::consts::PI;
+        let count = self.pattern.panels[self.ids[made.a].panel].segments.len();
+        let (i, j) = (self.ids[made.a].segment, self.ids[made.b].segment);
+        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
+        let straight = ea.curved.max(eb.curved) < 0.1;
+        let tip = if j == i + 1 { Some(ea.angles[1]) } else { (i == 0 && j == count - 1).then_some(ea.angles[0]) };
+        match tip {
+            Some(angle) if angle > DART && ratio > 0.95 && straight && count > 3 => {
+                made.score = 6.0;
+                made.reasons.push("a dart: equal legs".to_owned());
+            }
+            Some(_) => made.score = -9.0,
+            None => {
+                // A sleeve in one piece closes under the arm.
+                let sleeve = matches!(self.part(made.a), Some(Part::Sleeve | Part::Cuff));
+                let alike = ratio > 0.97 && (ea.bulge - eb.bulge).abs() < 0.02 && ea.bulge.abs() < 0.08;
+                let one_piece = self.roles[self.ids[made.a].panel].face.is_none();
+                if sleeve && alike && one_piece && count <= 8 {
+                    made.score = 2.5 + self.corners(ea, eb);
+                    made.reasons.push("equal lengths on one sleeve, which closes to a tube".to_owned());
+                } else {
+                    made.score = -9.0;
+                }
+            }
+        }
+    }
+
+    fn notches(&self, made: &mut Scored) {
+        let (a, b) = (&self.edges[made.a].notches, &self.edges[made.b].notches);
+        if a.is_empty() && b.is_empty() {
+            return;
+        }
+        let fits = |flip: bool| {
+            a.len() == b.len()
+                && a.iter().all(|(f, kind)| {
+                    let f = if flip { 1.0 - f } else { *f };
+                    b.iter().any(|(g, other)| kind == other && (f - g).abs() < 0.06)
+                })
+        };
+        if fits(true) || fits(false) {
+            made.score += 2.0;
+            made.reasons.push("notches".to_owned());
+        } else {
+            made.score -= 0.7;
+        }
+    }
+
+    /// How well corners fit: where two segments meet, outlines go on straight or the angles are alike; at most 0.6.
+    fn corners(&self, a: &Edge, b: &Edge) -> f64 {
+        let at = |x: f64, y: f64| (x + y - std::f64::consts::PI).abs().min(1.0);
+        let opposed = at(a.angles[0], b.angles[1]) + at(a.angles[1], b.angles[0]);
+        let aligned = at(a.angles[0], b.angles[0]) + at(a.angles[1], b.angles[1]);
+        0.6 - 0.8 * opposed.min(aligned)
+    }
+
+    fn unplaced(&self, made: &mut Scored) {
+        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
+        made.score += self.corners(ea, eb);
+        let same = self.part(made.a).is_some() && self.part(made.a) == self.part(made.b);
+        // Curves that both bend inwards on front and back are armholes and necklines.
+        if same && ea.bulge < -0.04 && eb.bulge < -0.04 && self.faces_differ(made) {
+            made.score -= 2.5;
+        }
+        self.labels(made);
+    }
+
+    fn faces_differ(&self, made: &Scored) -> bool {
+        let face = |edge: usize| self.roles[self.ids[edge].panel].face;
+        matches!((face(made.a), face(made.b)), (Some(f), Some(g)) if f != g)
+    }
+
+    fn labels(&self, made: &mut Scored) {
+        let labels = [made.a, made.b].map(|edge| self.edges[edge].label);
+        let same_part = self.part(made.a) == self.part(made.b);
+        for label in labels.into_iter().flatten() {
+            if same_part
+                && matches!(label, SegmentLabel::Armhole | SegmentLabel::LowerInterface | SegmentLabel::StraplessTop)
+            {
+                made.score -= 3.0;
+            }
+        }
+    }
+
+    /// Along the limb away from the torso's middle.
+    fn limb(&self, edge: usize) -> Vector3 {
+        match self.part(edge) {
+            Some(Part::Sleeve | Part::Cuff) => {
+                // Arms hang at about forty degrees in an A-pose, and are held out in a T-pose.
+                let side = self.middle[self.ids[edge].panel].x.signum();
+                Vector3::new(0.8 * side, -0.6, 0.0)
+            }
+            _ => Vector3::new(0.0, -1.0, 0.0),
+        }
+    }
+
+    /// Panels around a body: cloth goes on in the plane (a waist, an armhole), or folds over to the other side of the
+    /// body (a side seam, a shoulder).
+    fn placed(&self, made: &mut Scored, p: &[Vector3; PROBES], q: &[Vector3; PROBES]) {
+        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
+        let gaps = |opposed: bool| -> [Vector3; PROBES] {
+            std::array::from_fn(|k| (if opposed { q[PROBES - 1 - k] } else { q[k] }) - p[k])
+        };
+        let mean = |gaps: &[Vector3; PROBES], normal: Vector3| {
+            gaps.iter().map(|g| (g - normal * g.dot(&normal)).norm()).sum::<f64>() / PROBES as f64
+        };
+        let whole = |gaps: &[Vector3; PROBES]| gaps.iter().map(|g| g.norm()).sum::<f64>() / PROBES as f64;
+        let (near, far) = (gaps(true), gaps(false));
+        if whole(&near) > whole(&far) + 0.25 * ea.length.min(eb.length) {
+            made.score -= 2.5;
+        }
+        let facing = ea.normal.dot(&eb.normal);
+        let outwards = ea.outwards.dot(&eb.outwards);
+        if facing < -0.3 {
+            // Folded over an edge of the body.
+            let aside = mean(&near, ea.normal);
+            made.score += 1.5 - (aside / 0.04).min(5.0) - if outwards > 0.5 { 0.0 } else { 6.0 };
+            made.score += self.open(made);
+            if aside < 0.03 {
+                made.reasons.push("opposite each other on the body".to_owned());
+            }
+        } else {
+            let same = self.part(made.a).is_some() && self.part(made.a) == self.part(made.b);
+            let gap = whole(&near);
+            let ahead = near.iter().map(|g| g.dot(&ea.outwards)).sum::<f64>() / PROBES as f64;
+            made.score += 1.5 - (gap / 0.15).min(6.0) - 6.0 * (outwards + if same { 0.7 } else { 0.3 }).clamp(0.0, 1.0);
+            made.score -= if ahead > -0.05 { 0.0 } else { 1.0 };
+            // Beside each other, not shifted along, and not turned away from each other but for what is gathered.
+            let mean = near.iter().sum::<Vector3>() / PROBES as f64;
+            let along = (p[PROBES - 1] - p[0]).try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+            let size = 0.5 * (ea.length + eb.length);
+            made.score -= (0.6 * mean.dot(&along).abs() / size).min(1.2);
+            let spread = near.iter().map(|g| (g - mean).norm()).sum::<f64>() / PROBES as f64;
+            let gathered = 0.5 * (ea.length - eb.length).abs() / size;
+            made.score -= (4.0 * (spread / size - gathered).max(0.0)).min(2.0);
+            if same && self.part(made.a) != Some(Part::Trouser) && ea.bulge < -0.1 && eb.bulge < -0.1 {
+                // Two halves of a neckline.
+                made.score -= 3.0;
+            }
+            if gap < 0.1 {
+                made.reasons.push("beside each other on the body".to_owned());
+            }
+        }
+        self.labels(made);
+    }
+
+    /// What speaks against closing front to back where the body has to go through.
+    fn open(&self, made: &Scored) -> f64 {
+        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
+        let along = ea.outwards.dot(&self.limb(made.a)).min(eb.outwards.dot(&self.limb(made.b)));
+        let against = ea.outwards.dot(&self.limb(made.a)).max(eb.outwards.dot(&self.limb(made.b)));
+        let inwards = ea.bulge < -0.04 && eb.bulge < -0.04;
+        let side = ea.points.map_or(0.0, |p| p[PROBES / 2].x.signum());
+        let mut against_it = 0.0;
+        if along > 0.6 {
+            // A hem, or the end of a sleeve.
+            against_it -= 9.0;
+        }
+        if against < -0.6 {
+            // Upwards or towards the torso: of these only shoulders are closed.
+            // So are sides that flare widely, and the crown of a hood.
+            let out = if matches!(self.part(made.a), Some(Part::Torso) | None) { -0.05 } else { 0.3 };
+            let shoulder =
+                !inwards && ea.outwards.x * side > out && ea.curved.max(eb.curved) < 0.1 || ea.normal.x.abs() > 0.7;
+            against_it -= if shoulder { 0.0 } else { 9.0 };
+        }
+        if self.part(made.a) == Some(Part::Hood) && (ea.outwards.z > 0.6 || ea.outwards.y < -0.3) {
+            // The face, and the neck.
+            against_it -= 9.0;
+        }
+        if inwards {
+            // Armholes and necklines.
+            against_it -= 5.0;
+        }
+        against_it
+    }
+}
