@@ -207,7 +207,8 @@ mod tests {
             let girth = ball.girth(center + normal * 0.3, normal).unwrap();
             let circle = std::f64::consts::TAU * 0.4;
             assert!((girth.tape / circle - 1.0).abs() < 2e-3, "{}", girth.tape);
-            assert!(girth.along_skin >= girth.tape && girth.along_skin < 1.001 * girth.tape);
+            // A circle is its own hull; sums in another order differ in their last digits.
+            assert!(girth.along_skin > (1.0 - 1e-12) * girth.tape && girth.along_skin < 1.001 * girth.tape);
             assert!((girth.center - (center + normal * 0.3)).norm() < 1e-3);
             assert_eq!(ball.section(center, normal).len(), 1);
         }

@@ -17,7 +17,7 @@
 //! makes a step more stable, never less: where it leaves the share `f` of a vibration, `ω² Δt² ≤ 2 (1 + f) / f`.
 
 use super::integrator::for_all;
-use super::settings::Settings;
+use super::settings::{Integrator, Settings};
 use super::stability::Pace;
 use crate::contact::{SelfContact, SelfContactSettings};
 use crate::energy::{Energy, GRAVITY, Model, Terms};
@@ -31,9 +31,9 @@ use rayon::prelude::*;
 const AIR_DENSITY: f64 = 1.2;
 /// Drag coefficient of a plate across the wind.
 const PLATE_DRAG: f64 = 1.2;
-/// Rates of change of a particle's surroundings that a stable step has to resolve: each pair of layers in contact
-/// binds it once.
-const LAYERS: f64 = 2.0;
+/// Share of what two layers are too near to each other that they may part in one step: below one, as a particle's
+/// pairs do not know of each other.
+const PARTING: f64 = 0.2;
 /// Rounds of power iteration; what they miss of the fastest vibration is in the reserve.
 const POWER_ROUNDS: usize = 40;
 /// Steps of `2 / ω` are the longest that are stable; this much is used, as stretched cloth is a little stiffer.
@@ -45,6 +45,10 @@ const MOST_LOST: f64 = 0.66;
 pub struct Forces {
     pub energy: Energy,
     cloth: Option<SelfContact>,
+    /// Are pairs of layers bounded, as explicit steps need it?
+    bounded: bool,
+    /// How many pairs each particle is in.
+    pairs_at: Vec<u32>,
     pub pace: Pace,
     /// The other ends of each particle's edges.
     neighbours: Neighbours,
@@ -69,19 +73,29 @@ impl Forces {
         let mut energy = Energy::new(level, cut, model);
         energy.gravity = GRAVITY;
         let contact = SelfContactSettings::of(level.resolution, fabric);
-        let layers = if settings.self_collision { LAYERS * contact.stiffness } else { 0.0 };
         let diagonal = energy.diagonal();
         // How fast the fastest vibration is, as against what single particles would have by themselves.
         let alone = Pace::new(energy.masses(), &diagonal, settings.added_mass);
         let coupled = (fastest(&mut energy, &alone.inertia, positions) * alone.step / USED).powi(2);
-        let stiffness: Vec<f64> = diagonal.iter().map(|d| coupled * d + layers).collect();
+        let stiffness: Vec<f64> = diagonal.iter().map(|d| coupled * d).collect();
         let pace = Pace::new(energy.masses(), &stiffness, settings.added_mass);
         let neighbours = Neighbours::new(level);
         let wind = (settings.wind != Vector3::zeros()).then(|| Wind::new(level, settings.wind));
         let classes = (0..level.particle_count as u32).collect();
         let cloth = settings.self_collision.then(|| SelfContact::new(level, classes, contact));
         let damping = settings.damping;
-        Self { energy, cloth, pace, neighbours, damping, drag: settings.drag, wind, terms: Terms::default() }
+        Self {
+            energy,
+            cloth,
+            bounded: settings.integrator != Integrator::Implicit,
+            pairs_at: vec![0; level.particle_count],
+            pace,
+            neighbours,
+            damping,
+            drag: settings.drag,
+            wind,
+            terms: Terms::default(),
+        }
     }
 
     /// Forgets what contact of the cloth with itself has followed, and looks at `positions` afresh.
@@ -94,7 +108,12 @@ impl Forces {
 
     /// Accelerations, m/s², of cloth at `positions`, m, that moves with `velocities`, m/s.
     pub fn accelerations(&mut self, positions: &[Vector3], velocities: &[Vector3], accelerations: &mut [Vector3]) {
-        self.gradient(positions, accelerations);
+        if self.bounded {
+            self.terms = self.energy.evaluate(positions, accelerations);
+            self.part_layers(positions, velocities, accelerations);
+        } else {
+            self.gradient(positions, accelerations);
+        }
         let Self { energy, pace, drag, wind, .. } = self;
         let (masses, wind) = (energy.masses(), wind.as_ref());
         accelerations.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, accelerations)| {
@@ -107,6 +126,27 @@ impl Forces {
                 *a = force / pace.inertia[p];
             }
         });
+    }
+
+    /// Adds the gradient of cloth against cloth, N, no larger than a step can bear: near pairs push as stiffly as a
+    /// barrier does, and as no explicit step could follow. A pair gets no more than parts it by a share of what is
+    /// missing, with the velocity that it has.
+    fn part_layers(&mut self, positions: &[Vector3], velocities: &[Vector3], gradient: &mut [Vector3]) {
+        let Self { cloth: Some(cloth), pairs_at, pace, .. } = self else { return };
+        cloth.find_active(positions);
+        pairs_at.fill(0);
+        for p in cloth.active().iter().flat_map(|pair| pair.particles) {
+            pairs_at[p as usize] += 1;
+        }
+        for pair in cloth.active() {
+            let at = || pair.particles.iter().map(|&p| p as usize).zip(pair.weights);
+            let parting: f64 = at().map(|(p, w)| velocities[p].dot(&pair.normal) * w).sum();
+            let mobility: f64 = at().map(|(p, w)| w * w * f64::from(pairs_at[p]) / pace.inertia[p]).sum();
+            let missing = cloth.clearance_of(pair.particles) - pair.distance;
+            let most = (PARTING * missing / pace.step - parting).max(0.0) / (mobility * pace.step);
+            let push = (-pair.slope).min(most);
+            at().for_each(|(p, w)| gradient[p] -= pair.normal * (w * push));
+        }
     }
 
     /// What viscosity leaves of velocities, m/s, after `step`, s.

@@ -242,7 +242,7 @@ impl SelfContact {
     }
 
     /// Clearance of a pair, m: the least of its particles'.
-    fn clearance_of(&self, particles: [u32; 4]) -> f64 {
+    pub(crate) fn clearance_of(&self, particles: [u32; 4]) -> f64 {
         particles.iter().map(|&p| self.clearance[p as usize]).fold(f64::INFINITY, f64::min)
     }
 
@@ -264,6 +264,17 @@ impl SelfContact {
 
     /// Adds the gradient, N, and returns the energy, J.
     pub fn evaluate(&mut self, positions: &[Vector3], gradient: &mut [Vector3]) -> f64 {
+        let energy = self.find_active(positions);
+        for pair in &self.active {
+            for (p, w) in pair.particles.iter().zip(pair.weights) {
+                gradient[*p as usize] += pair.normal * (w * pair.slope);
+            }
+        }
+        energy
+    }
+
+    /// Finds the pairs that push at `positions` and returns their energy, J.
+    pub(crate) fn find_active(&mut self, positions: &[Vector3]) -> f64 {
         let clearance = self.settings.clearance;
         // Most pairs were so far apart that no particle has moved enough for them to touch.
         let within = clearance + 2.0 * self.measure_drift(positions) + ROUNDING;
@@ -276,9 +287,6 @@ impl SelfContact {
         self.active.clear();
         for (pair_energy, pair) in active {
             energy += pair_energy;
-            for (p, w) in pair.particles.iter().zip(pair.weights) {
-                gradient[*p as usize] += pair.normal * (w * pair.slope);
-            }
             self.active.push(pair);
         }
         energy
