@@ -184,6 +184,10 @@ pub struct Compare {
     /// Folder for table, curves and pictures, made if it is not there
     #[arg(long, value_name = "DIR", required_unless_present = "replot")]
     pub out: Option<PathBuf>,
+    /// Compare how long the explicit simulator takes to come to rest: from the panels as they are placed, from a fit on
+    /// one level, and from a fit on all
+    #[arg(long, conflicts_with = "replot")]
+    pub dynamics: bool,
     /// Draw table and pictures of an earlier comparison again, from the comparison.json in this folder
     #[arg(long, value_name = "DIR", conflicts_with_all = ["pattern", "body"])]
     pub replot: Option<PathBuf>,

@@ -52,6 +52,9 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
     let warnings: Vec<_> = pattern.warnings.iter().chain(&body.warnings).collect();
     tell(&warnings, asked.solving.progress == Progress::None);
 
+    if asked.dynamics {
+        return super::compare_dynamics::run(asked, &pattern, &body, &fabric, &settings);
+    }
     let entries = contest.entries(&settings);
     let mut courses: Vec<Course> = Vec::new();
     for (number, entry) in entries.iter().enumerate() {

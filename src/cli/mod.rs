@@ -5,6 +5,7 @@ mod arguments;
 mod body;
 mod check;
 mod compare;
+mod compare_dynamics;
 mod complaint;
 mod convert;
 mod demo;

@@ -98,6 +98,13 @@ impl Forces {
         }
     }
 
+    /// Takes particles of the same class for one where cloth meets cloth: those that will be sewn together.
+    pub fn take_for_one(&mut self, level: &Level, class_of: Vec<u32>, fabric: &Fabric) {
+        if self.cloth.is_some() {
+            self.cloth = Some(SelfContact::new(level, class_of, SelfContactSettings::of(level.resolution, fabric)));
+        }
+    }
+
     /// Forgets what contact of the cloth with itself has followed, and looks at `positions` afresh.
     pub fn look_afresh(&mut self, positions: &[Vector3]) {
         if let Some(cloth) = &mut self.cloth {
