@@ -1,14 +1,14 @@
 //! What moves cloth: its energy and its contact with itself, as in the fit, and what only moving cloth feels.
 //!
 //! ```text
-//!     m a = -∂E/∂x  -  drag m v  +  pressure of the wind                                    (theory, equation 22)
+//!     m a = -∂E/∂x  -  drag m v  +  pressure of the wind                                    (theory, equation 24)
 //! ```
 //!
 //! The first term is the gradient that the fit minimizes. Contact with the body is no force but changes velocities
 //! (`response.rs`), and so does the viscosity of the cloth: after a step's forces
 //!
 //! ```text
-//!     m_i v_i  ←  m_i v_i + Σ w min(m_i, m_j) / 6 (v_j - v_i)                               (theory, equation 22)
+//!     m_i v_i  ←  m_i v_i + Σ w min(m_i, m_j) / 6 (v_j - v_i)                               (theory, equation 25)
 //! ```
 //!
 //! over the edges of a particle. What trembles from particle to particle dies away within a few steps, a wrinkle within

@@ -1,7 +1,7 @@
 //! Steps that are not bound by the fastest vibration: Baraff and Witkin, *Large steps in cloth simulation* (1998).
 //!
 //! ```text
-//!     (M (1 + Δt drag) + Δt² K) Δv = Δt (M a - Δt K v)                  (theory, equation 25)
+//!     (M (1 + Δt drag) + Δt² K) Δv = Δt (M a - Δt K v)                  (theory, equation 28)
 //! ```
 //!
 //! `K` is the part of the energy's Hessian that is certainly positive, so that the system can be solved by conjugate

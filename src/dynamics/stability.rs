@@ -3,7 +3,7 @@
 //! A particle of mass `m` that is bound with stiffness `K` must not be carried farther in a step than
 //!
 //! ```text
-//!     Δt = 0.4 π √(m / K)                   (theory, equation 23; Vassilev and Spanlang 2001, section 3.2)
+//!     Δt = 0.4 π √(m / K)                   (theory, equation 26; Vassilev and Spanlang 2001, section 3.2)
 //! ```
 //!
 //! where `K` adds up all that pulls at it; how much stiffer particles are together than one alone is measured once

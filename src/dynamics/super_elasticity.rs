@@ -6,7 +6,7 @@
 //! proportion to its inertia, so that it is not.
 //!
 //! ```text
-//!     |x_ij + Δt v_ij| ≤ max(L_max, l)                                (theory, equation 24)
+//!     |x_ij + Δt v_ij| ≤ max(L_max, l)                                (theory, equation 27)
 //! ```
 //!
 //! Edges are visited one after the other and each sees what was changed before. Those that hang from others need
@@ -24,7 +24,8 @@ const ROUNDS: usize = 5;
 const OVER_RELAXATION: f64 = 1.5;
 /// What an edge may be beyond its limit, as a share of it, without another round.
 const TOLERANCE: f64 = 3e-4;
-/// How much of what an edge is beyond its limit already it gives back in a step.
+/// How fast an edge that is beyond its limit already comes back, m/s. What holds it there, as cloth that is caught
+/// between an arm and the chest, would be torn through whatever is in the way by more.
 const RECOVERY: f64 = 0.1;
 
 /// An edge and how long it may be.
@@ -80,7 +81,7 @@ impl SuperElasticity {
         for _ in 0..MOST_LOOKS {
             // Few are too long; all others are only looked at, by all threads.
             let is_long = |e: &Limited| {
-                let allowed = e.allowed(positions) * (1.0 + TOLERANCE);
+                let allowed = e.allowed(positions, step) * (1.0 + TOLERANCE);
                 e.after(positions, velocities, step).norm_squared() > allowed * allowed
             };
             too_long.clear();
@@ -98,7 +99,7 @@ impl SuperElasticity {
                     let edge = edges[k as usize];
                     let [a, b] = edge.ends.map(|p| p as usize);
                     let span = edge.after(positions, velocities, step);
-                    let (length, allowed) = (span.norm(), edge.allowed(positions));
+                    let (length, allowed) = (span.norm(), edge.allowed(positions, step));
                     if length <= allowed {
                         continue;
                     }
@@ -126,9 +127,9 @@ impl Limited {
 
     /// How long it may be after this step, m: what is too long already comes back slowly.
     #[inline]
-    fn allowed(&self, positions: &[Vector3]) -> f64 {
+    fn allowed(&self, positions: &[Vector3], step: f64) -> f64 {
         let [a, b] = self.ends.map(|p| p as usize);
         let now = (positions[b] - positions[a]).norm();
-        self.most + (now - self.most).max(0.0) * (1.0 - RECOVERY)
+        self.most.max(now - RECOVERY * step)
     }
 }
