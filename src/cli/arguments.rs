@@ -349,7 +349,7 @@ pub struct Simulate {
     /// Speed that cloth keeps when it hits the body, 0 to 1
     #[arg(long, value_name = "SHARE")]
     pub restitution: Option<f64>,
-    /// Stretch beyond which cloth does not lengthen, per cent [default: the fabric's]
+    /// Stretch beyond which edges do not lengthen, per cent [default: none, stiffness alone holds the cloth]
     #[arg(long, value_name = "PERCENT")]
     pub stretch_limit: Option<f64>,
     /// Cloth may pass through cloth

@@ -32,7 +32,8 @@ pub fn run(asked: &Check) -> Result<Status, Failure> {
         let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
         built.map(|garment| (input, garment))
     }));
-    let body = match asked.body.as_deref().map(|path| BodyInput::open(path, asked.align)).transpose() {
+    let body = match asked.body.as_deref().map(|path| Ok(BodyInput::open(path, asked.align)?.looked_over())).transpose()
+    {
         Ok(body) => body,
         Err(e) => {
             errors.push(e);

@@ -77,7 +77,7 @@ impl Inputs<'_> {
             "damping": s.damping,
             "wind": [s.wind.x, s.wind.y, s.wind.z],
             "restitution": s.restitution,
-            "stretch_limits": self.fitted.iter().map(|f| s.stretch_limit(&f.state.fabric)).collect::<Vec<_>>(),
+            "stretch_limit": s.stretch_limit,
             "added_mass": s.added_mass,
             "tolerance": s.tolerance,
             "implicit_step": s.implicit_step,

@@ -96,7 +96,7 @@ impl Simulation {
         Self {
             forces: Forces::new(level, cut, fabric, model, settings, &positions),
             stepper: Stepper::new(settings, implicit, count),
-            elastic: SuperElasticity::new(level, |panel| settings.stretch_limit(cut.of_panel(panel)), &positions),
+            elastic: SuperElasticity::new(level, settings.stretch_limit, &positions),
             response: Response::new(count, settings.clearance, fabric.friction, settings.restitution),
             movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
             velocities: vec![Vector3::zeros(); count],

@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::geometry::Vector3;
-use crate::pattern::Fabric;
 
 /// How positions and velocities are carried over a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -74,7 +73,8 @@ pub struct Settings {
     pub wind: Vector3,
     /// Share of the speed of an impact that cloth keeps when it leaves the body again, 0 to 1.
     pub restitution: f64,
-    /// Strain beyond which edges do not lengthen; of the fabric if `None`.
+    /// Strain beyond which edges do not lengthen. None by default: where cloth is caught between limbs that drag it
+    /// apart, limits that cannot be kept throw it about, and its own stiffness holds it better.
     pub stretch_limit: Option<f64>,
     /// The most mass, as a share of the garment's, that small triangles may be given for longer steps.
     pub added_mass: f64,
@@ -106,11 +106,6 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Strain beyond which edges of this fabric do not lengthen.
-    pub fn stretch_limit(&self, fabric: &Fabric) -> f64 {
-        self.stretch_limit.unwrap_or(fabric.stretch_limit)
-    }
-
     /// Are the figures possible?
     pub fn check(&self) -> Result<(), Error> {
         let within = |name: &str, value: f64, least: f64, most: f64| {

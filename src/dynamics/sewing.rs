@@ -43,7 +43,7 @@ pub fn sew(
     most: f64,
 ) -> Sewing {
     // Seams pull harder than cloth is to be stretched by.
-    let settings = Settings { stretch_limit: Some(UNLIMITED), ..settings.clone() };
+    let settings = Settings { stretch_limit: None, ..settings.clone() };
     let mut simulation = Simulation::new(&garment.open, fabric, fabric, model, &settings, placed);
     // Particles that will be sewn to one are neighbours already.
     simulation.forces.take_for_one(&garment.open, garment.levels[0].particle_of.clone(), fabric);
@@ -65,8 +65,6 @@ pub fn sew(
     let positions = garment.weld(&simulation.movement.positions);
     Sewing { steps, time, closed: largest_gap <= CLOSED, largest_gap, positions }
 }
-
-const UNLIMITED: f64 = 10.0;
 
 #[cfg(test)]
 mod tests {

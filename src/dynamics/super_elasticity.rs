@@ -19,9 +19,6 @@ use rayon::prelude::*;
 /// How often edges that are too long are looked for in a step, at most, and rounds over those that were found.
 const MOST_LOOKS: usize = 20;
 const ROUNDS: usize = 5;
-/// Each visit takes away this many times what an edge is too long by. On a soft sheet that hangs from two corners 48
-/// rounds leave a fifth of the excess of as many plain ones, and mostly 15 do.
-const OVER_RELAXATION: f64 = 1.5;
 /// What an edge may be beyond its limit, as a share of it, without another round.
 const TOLERANCE: f64 = 3e-4;
 /// How fast an edge that is beyond its limit already comes back, m/s. What holds it there, as cloth that is caught
@@ -41,13 +38,14 @@ struct Limited {
 /// The edges of a level and their limits.
 pub struct SuperElasticity {
     edges: Vec<Limited>,
+    /// Else they are only measured.
+    limited: bool,
     too_long: Vec<u32>,
 }
 
 impl SuperElasticity {
-    /// Edges may be stretched by what `limit` tells of their panel, or as far as they are at `positions` if that is more.
-    pub fn new(level: &Level, limit: impl Fn(usize) -> f64, positions: &[Vector3]) -> Self {
-        let panel_of = level.panel_of_triangle();
+    /// Edges may be stretched by `limit`, or as far as they are at `positions` if that is more; without one, as they like.
+    pub fn new(level: &Level, limit: Option<f64>, positions: &[Vector3]) -> Self {
         let triangles = level.particle_triangles();
         let mut eased = vec![[1.0; 3]; triangles.len()];
         for e in &level.eased {
@@ -62,10 +60,13 @@ impl SuperElasticity {
             });
             let rest = rest.flatten().fold(0.0, f64::max);
             let now = (positions[edge.ends[0] as usize] - positions[edge.ends[1] as usize]).norm();
-            let limit = limit(panel_of[edge.triangles[0] as usize] as usize);
-            (rest > 0.0).then(|| Limited { ends: edge.ends, rest, most: (rest * (1.0 + limit)).max(now) })
+            (rest > 0.0).then(|| Limited {
+                ends: edge.ends,
+                rest,
+                most: (rest * (1.0 + limit.unwrap_or(0.0))).max(now),
+            })
         });
-        Self { edges: edges.collect(), too_long: Vec::new() }
+        Self { edges: edges.collect(), limited: limit.is_some(), too_long: Vec::new() }
     }
 
     /// The largest strain of all edges.
@@ -77,7 +78,7 @@ impl SuperElasticity {
 
     /// Changes velocities, m/s, so that no edge is beyond its limit after `step`, s; inertia in kg.
     pub fn limit(&mut self, positions: &[Vector3], velocities: &mut [Vector3], inertia: &[f64], step: f64) {
-        let Self { edges, too_long } = self;
+        let Self { edges, limited: true, too_long } = self else { return };
         for _ in 0..MOST_LOOKS {
             // Few are too long; all others are only looked at, by all threads.
             let is_long = |e: &Limited| {
@@ -105,7 +106,7 @@ impl SuperElasticity {
                     }
                     worst = worst.max(length / allowed - 1.0);
                     let (wa, wb) = (inertia[a].recip(), inertia[b].recip());
-                    let change = span * (OVER_RELAXATION * (length - allowed) / (length * step * (wa + wb)));
+                    let change = span * ((length - allowed) / (length * step * (wa + wb)));
                     velocities[a] += change * wa;
                     velocities[b] -= change * wb;
                 }

@@ -36,7 +36,7 @@ fn no_edge_of_a_sagging_sheet_is_beyond_its_limit_by_more_than_a_hundredth() {
     assert_eq!(held.len(), 2);
     let fabric = soft();
     let mut worst = [0.0f64; 2];
-    for (k, limit) in [None, Some(10.0)].into_iter().enumerate() {
+    for (k, limit) in [Some(0.1), None].into_iter().enumerate() {
         let settings = Settings { stretch_limit: limit, ..Settings::default() };
         let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
         simulation.pin(&held);
@@ -118,7 +118,6 @@ fn integrators_of_higher_order_and_the_symplectic_one_keep_the_energy_of_a_swing
             drag: 0.0,
             damping: 0.0,
             added_mass: 0.0,
-            stretch_limit: Some(10.0),
             implicit_step: 2e-4,
             ..Settings::default()
         };
