@@ -177,9 +177,9 @@ impl Forces {
         }
     }
 
-    /// Shortens moves, m, that would carry cloth through cloth.
+    /// Draws moves together, m, that would carry cloth through cloth.
     pub fn limit(&mut self, positions: &[Vector3], moves: &mut [Vector3]) -> bool {
-        self.cloth.as_mut().is_some_and(|cloth| cloth.limit(positions, moves) > 0)
+        self.cloth.as_mut().is_some_and(|cloth| cloth.draw(positions, moves) > 0)
     }
 
     pub fn cloth(&self) -> Option<&SelfContact> {

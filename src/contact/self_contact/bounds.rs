@@ -78,6 +78,16 @@ impl SelfContact {
     /// towards the mean; where a few rounds of that do not suffice they are cut to a share of `d`
     /// each, which may block neighbours in turn; in the end all moves are shortened alike.
     pub fn limit(&mut self, positions: &[Vector3], moves: &mut [Vector3]) -> usize {
+        self.limit_for(MOST_ROUNDS, positions, moves)
+    }
+
+    /// Only draws the moves of pairs in their own way together; nobody is stopped. For cloth that a moving body carries
+    /// along: what is stopped there is torn from what is not. Pairs that are squeezed may then pass through each other.
+    pub fn draw(&mut self, positions: &[Vector3], moves: &mut [Vector3]) -> usize {
+        self.limit_for(DRAWING_ROUNDS, positions, moves)
+    }
+
+    fn limit_for(&mut self, rounds: usize, positions: &[Vector3], moves: &mut [Vector3]) -> usize {
         if self.origin.len() != positions.len() {
             self.rebuild(positions);
         }
@@ -96,7 +106,7 @@ impl SelfContact {
         };
         let near: Vec<(Pair, f64)> = pairs.filter(may_close).map(|(pair, at_origin)| (*pair, *at_origin)).collect();
         let mut first = None;
-        for round in 0..MOST_ROUNDS {
+        for round in 0..rounds {
             let blocked = self.blocked(&near, positions, moves);
             first = first.or(Some(blocked.len()));
             if blocked.is_empty() {
