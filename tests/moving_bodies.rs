@@ -324,7 +324,7 @@ fn damaged_animations_are_told_with_their_place() {
     refused(|g| g.json["bufferViews"][0]["byteStride"] = json!(8), &["buffer view 0", "8 bytes apart"]);
     refused(|g| poke(g, &attribute(g, "POSITION"), 7, f32::INFINITY), &["accessor 0", "element 2", "inf"]);
     refused(|g| poke(g, &attribute(g, "POSITION"), 7, 1e20), &["rest shape", "Vertex"]);
-    refused(|g| g.json["scenes"] = json!([]), &["no mesh"].map(|_| "scene").as_slice());
+    refused(|g| g.json["scenes"] = json!([]), &["scene"]);
     refused(
         |g| g.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
         &["draco", "without compression"],

@@ -76,7 +76,7 @@ impl Volumes {
         let mut all: Vec<u32> = (0..triangles.len() as u32).collect();
         let middle = |t: u32| triangles[t as usize].iter().map(|&v| start[v as usize]).sum::<Vector3>() / 3.0;
         let mut parts = Vec::new();
-        let mut left = vec![0..all.len()];
+        let mut left = Vec::from_iter(std::iter::once(0..all.len()));
         while let Some(range) = left.pop() {
             let some = &mut all[range.clone()];
             if some.len() <= PART {

@@ -82,7 +82,7 @@ fn panel_override(text: &str, keys: &DeTable) -> Result<Override, Error> {
                 .map(f64::to_radians)
                 .ok_or_else(|| slip("is no angle", "Give degrees from -360 to 360, without quotes."))
         };
-        let metres = || words().and_then(|text| signed(text));
+        let metres = || words().and_then(signed);
         let set = |asked: &mut Override| -> Result<(), Error> {
             match name {
                 "part" => asked.limb = Some(part(words()?)?),

@@ -290,7 +290,7 @@ fn triangles(
             numbers.values.iter().map(|&v| v as u32).collect()
         }
     };
-    if mode == Mode::Triangles && corners.len() % 3 != 0 {
+    if mode == Mode::Triangles && !corners.len().is_multiple_of(3) {
         let problem = format!("It has {} corners, which are no triangles.", corners.len());
         return Err(Error::new(problem, EXPORT_AGAIN));
     }
