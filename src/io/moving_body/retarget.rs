@@ -46,7 +46,7 @@ pub struct Retargeting {
 }
 
 impl Retargeting {
-    /// Pairs joints by the `names` given (of the capture, of the body), and else by [`plain_name`].
+    /// Pairs joints by the `names` given (of the capture, of the body), and else by `plain_name`.
     pub fn new(capture: &Capture, rig: &Rig, names: &[(String, String)]) -> Result<Self, Error> {
         let skeleton = rig.skeleton();
         let (node_of, warnings) = pairs(capture, &skeleton, &rig.joints(), names)?;

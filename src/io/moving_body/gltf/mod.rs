@@ -1,6 +1,6 @@
 //! Animated bodies from glTF 2.0 files: skins, moving nodes and morph targets, as one mesh with bones.
 //!
-//! [`Rig`] is what the file holds: nodes, surface, clips. [`Rig::play`] plays one of its clips; [`super::retarget`] moves
+//! [`Rig`] is what the file holds: nodes, surface, clips. [`Rig::play`] plays one of its clips; `retarget` moves
 //! the same bones by a motion from elsewhere.
 
 mod accessor;
