@@ -35,7 +35,7 @@ fn the_walking_woman_begins_as_the_standing_one_and_stays_a_body() {
     let mut last = first;
     for k in 0..72 {
         let size = size(&motion, k);
-        assert!((1.5..1.7).contains(&size.y) && size.x < 1.4 && size.z < 1.2, "frame {k}: {size}");
+        assert!((1.5..1.7).contains(&size.y) && size.x < 1.4 && size.z < 1.5, "frame {k}: {size}");
         let now = motion.positions(k);
         // Nothing of a walk is faster than 8 m/s.
         let step = now.iter().zip(&last).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -55,7 +55,7 @@ fn cesium_man_is_welded_closed_and_as_tall_as_he_is() {
     assert_eq!((motion.vertex_count(), motion.triangles().len()), (2338, 4672));
     assert_eq!((motion.frame_count(), motion.frame_rate()), (49, 24.0));
     assert!(warnings.len() == 1 && warnings[0].to_string().contains("do not sum to one"), "{warnings:?}");
-    assert!((size(&motion, 0).y - 1.5).abs() < 0.05, "{}", size(&motion, 0));
+    assert!((size(&motion, 0).y - 1.5).abs() < 0.07, "{}", size(&motion, 0));
     for k in 0..49 {
         motion.body(k).unwrap();
     }
@@ -288,7 +288,7 @@ fn damaged_animations_are_told_with_their_place() {
     refused(|g| poke(g, &sampler(g, "output"), 5, f32::NAN), &["channel 0", "element 1", "NaN"]);
     refused(|g| (4..8).for_each(|k| poke(g, &sampler(g, "output"), k, 0.0)), &["channel 0", "element 1", "zero"]);
     refused(|g| poke(g, &sampler(g, "input"), 1, -1.0), &["channel 0", "key 1", "do not ascend"]);
-    refused(|g| poke(g, &sampler(g, "input"), 1, 1e30), &["lasts"]);
+    refused(|g| poke(g, &sampler(g, "input"), 1, 1e30), &["frames a second"]);
     refused(
         |g| g.json["animations"][0]["samplers"][0]["interpolation"] = json!("CUBICSPLINE"),
         &["2 keys and 2 values; 6"],

@@ -56,12 +56,12 @@ const CAUTION: f64 = 0.9;
 const CHANGE: [f64; 2] = [0.2, 2.0];
 /// A step that was refused so often is taken as it is.
 const MOST_REFUSALS: usize = 12;
-/// Explicit steps of higher order may be this much longer than those of the symplectic method, by the reach of their
-/// stability along the imaginary axis (none at all for the midpoint rule, which damping has to help).
-const STRETCH_CLASSICAL: f64 = 1.4;
+/// Steps of higher order over those of the symplectic method, which keeps the energy of the fastest vibrations up to its
+/// limit: they are stable for longer ones, but take that energy away, or add to it (the midpoint rule).
+const STRETCH_CLASSICAL: f64 = 0.8;
 const STRETCH_MIDPOINT: f64 = 0.5;
 /// The longest step of Fehlberg's method over the symplectic one.
-const STRETCH_FEHLBERG: f64 = 1.4;
+const STRETCH_FEHLBERG: f64 = 0.8;
 
 impl Stepper {
     pub fn new(settings: &Settings, implicit: Option<Implicit>, particles: usize) -> Self {
