@@ -96,6 +96,11 @@ impl Stepper {
         }
     }
 
+    /// Are the moves of a step its new velocities times its length?
+    pub fn moves_by_new_velocities(&self) -> bool {
+        matches!(self.integrator, Integrator::SymplecticEuler | Integrator::Implicit)
+    }
+
     /// Forgets what the last steps suggested: what follows depends on the movement alone.
     pub fn forget(&mut self) {
         self.suggested = None;

@@ -196,7 +196,10 @@ impl Simulation {
         let mean = moves;
         for_all(mean, |_, m| *m /= step);
         forces.dampen(velocities, step, dampened);
-        for_all(mean, |p, m| *m += dampened[p] - velocities[p]);
+        // Methods of higher order know where they are going: what viscosity takes away there would unsettle them.
+        if stepper.moves_by_new_velocities() {
+            for_all(mean, |p, m| *m += dampened[p] - velocities[p]);
+        }
         for_all(velocities, |p, v| *v = dampened[p] - mean[p]);
         elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
         let met = response.respond(surface, &movement.positions, mean, step);

@@ -218,6 +218,10 @@ fn zero_pose(capture: &Capture) -> Vec<Vector3> {
 /// The rotation that best turns the first direction of each pair into the second; as far as these leave it free,
 /// the nearest to `held`. It minimizes `Σ |R a − b|² + ε |R − held|²` (Wahba 1965), by singular values (Kabsch 1976).
 fn nearest_rotation(pairs: impl Iterator<Item = (Vector3, Vector3)>, held: Rotation3<f64>) -> Rotation3<f64> {
+    let mut pairs = pairs.peekable();
+    if pairs.peek().is_none() {
+        return held;
+    }
     let sum = pairs.fold(held.matrix() * HOLD, |sum, (a, b)| sum + b * a.transpose());
     let svd = sum.svd(true, true);
     let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return held };
