@@ -88,13 +88,14 @@ fn no_vibration_is_too_fast_for_the_step() {
     }
 }
 
-/// Falls by `½ g t²` without drag, whatever the integrator.
+/// Falls by `½ g t²` without drag, whatever the integrator. Viscosity takes nothing from a fall, and the midpoint rule
+/// needs it: no step of that rule is stable for a vibration that nothing damps.
 #[test]
 fn all_integrators_let_cloth_fall_as_galilei_has_it() {
     let (level, positions) = sheet(0.08);
     let fabric = Fabric::default();
     for (name, integrator) in Integrator::ALL {
-        let settings = Settings { integrator, drag: 0.0, damping: 0.0, ..Settings::default() };
+        let settings = Settings { integrator, drag: 0.0, ..Settings::default() };
         let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
         // Masses that were added for longer steps fall more slowly by themselves.
         let course = simulation.frame(&mut no_body(), 0.2);
