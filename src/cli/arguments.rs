@@ -349,6 +349,9 @@ pub struct Simulate {
     /// Speed that cloth keeps when it hits the body, 0 to 1
     #[arg(long, value_name = "SHARE")]
     pub restitution: Option<f64>,
+    /// Time that the cloth has to find its balance before the body moves, s [default: 0.1]
+    #[arg(long, value_name = "SECONDS")]
+    pub settle: Option<f64>,
     /// Stretch beyond which edges do not lengthen, per cent [default: none, stiffness alone holds the cloth]
     #[arg(long, value_name = "PERCENT")]
     pub stretch_limit: Option<f64>,

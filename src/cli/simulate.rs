@@ -11,7 +11,7 @@ use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::io::checkpoint::{self, Checkpoint, Description};
 use crate::io::moving_body::{self, Options};
-use crate::io::simulation_report::{FrameRecord, Measured};
+use crate::io::simulation_report::{FrameRecord, Measured, Settled};
 use crate::io::state::{self, State};
 use crate::io::{atomic, body_obj, process, read};
 use crate::pattern::{Cut, Fabric, Pattern};
@@ -75,18 +75,15 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     let cut = Cut::ByPanel(&by_panel);
     let mut simulation = Simulation::new(&level, cut, &touching, model, &settings, positions);
     let digest = inputs.digest()?;
-    let mut frames = match asked.resume {
+    let (settled, mut frames) = match asked.resume {
         true => go_on(&asked.out, &digest, &mut simulation)?,
-        false => Vec::new(),
+        false => (start(&mut simulation, &shot, &settings), Vec::new()),
     };
-    let mut results = Results::open(&inputs, &level, &frames)?;
+    let mut results = Results::open(&inputs, &level, &simulation.movement.positions, &frames)?;
     results.shoot(frames.len(), &simulation.movement.positions, &shot.at(frames.len()));
 
     let mut watcher = Watcher::new(asked.progress, shot.frames(), frames.len());
     let mut surface = Surface::new(&shot.at(frames.len()), motion.triangles(), settings.broad_phase);
-    if frames.is_empty() {
-        simulation.take_over(&surface);
-    }
     let (mut wall, mut cpu) = (0.0, process::cpu_seconds().map(|_| 0.0));
     while frames.len() < shot.frames() {
         let (before, cpu_before) = (Instant::now(), process::cpu_seconds());
@@ -103,7 +100,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
         frames.push(record(frame, shot.duration, &course, measured));
         results.append(frame, positions)?;
         results.shoot(frame, positions, &end);
-        let description = Description { of: digest.clone(), frames: frames.clone() };
+        let description = Description { of: digest.clone(), settled: settled.clone(), frames: frames.clone() };
         let checkpoint = Checkpoint { description, movement: simulation.movement.clone(), extra: simulation.extra() };
         atomic::write(&asked.out.join("checkpoint.toile"), &checkpoint::write(&checkpoint))?;
         wall += before.elapsed().as_secs_f64();
@@ -112,7 +109,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     }
     watcher.finish();
     let pace = (simulation.step_length(), simulation.forces().pace.added);
-    let summary = results.finish(&inputs, &frames, pace, &told, [Some(wall), cpu], started)?;
+    let summary = results.finish(&inputs, (&settled, &frames), pace, &told, [Some(wall), cpu], started)?;
     if !silent {
         eprintln!("{summary}");
     }
@@ -128,6 +125,7 @@ fn settings(asked: &Simulate) -> Result<Settings, Failure> {
         drag: asked.drag.unwrap_or(defaults.drag),
         damping: asked.damping.unwrap_or(defaults.damping),
         wind: wind(&asked.wind).map_err(usage("--wind"))?,
+        settle: asked.settle.unwrap_or(defaults.settle),
         restitution: asked.restitution.unwrap_or(defaults.restitution),
         stretch_limit: asked.stretch_limit.map(|percent| percent / 100.0),
         self_collision: !asked.no_self_collision,
@@ -262,8 +260,19 @@ fn blown_up(frame: usize, settings: &Settings) -> Error {
     Error::new("The cloth flew apart: positions are no numbers any more.", remedy).within(format!("frame {frame}"))
 }
 
+/// Takes the garments over from their fits, and lets them find their balance on the body in its first pose.
+fn start(simulation: &mut Simulation, shot: &Shot, settings: &Settings) -> Settled {
+    let mut surface = Surface::new(&shot.at(0), shot.motion.triangles(), settings.broad_phase);
+    simulation.take_over(&surface);
+    if settings.settle == 0.0 {
+        return Settled::default();
+    }
+    let course = simulation.settle(&mut surface, settings.settle);
+    Settled { time: course.elapsed, steps: course.steps, largest_speed: course.largest_speed }
+}
+
 /// Where a simulation stopped.
-fn go_on(out: &Path, digest: &str, simulation: &mut Simulation) -> Result<Vec<FrameRecord>, Error> {
+fn go_on(out: &Path, digest: &str, simulation: &mut Simulation) -> Result<(Settled, Vec<FrameRecord>), Error> {
     let file = out.join("checkpoint.toile");
     let within = |e: Error| e.within(file.display());
     let checkpoint = checkpoint::read(&read::bytes(&file)?, simulation.movement.positions.len()).map_err(within)?;
@@ -275,7 +284,7 @@ fn go_on(out: &Path, digest: &str, simulation: &mut Simulation) -> Result<Vec<Fr
     }
     simulation.set_extra(&checkpoint.extra);
     simulation.movement = checkpoint.movement;
-    Ok(checkpoint.description.frames)
+    Ok((checkpoint.description.settled, checkpoint.description.frames))
 }
 
 fn record(frame: usize, duration: f64, course: &Course, measured: Option<Measured>) -> FrameRecord {

@@ -11,7 +11,7 @@ use crate::geometry::Vector3;
 use crate::io::motion_cache::{MotionHeader, MotionWriter, Precision};
 use crate::io::picture::{BodyView, Film, GarmentView};
 use crate::io::report::{Host, to_json};
-use crate::io::simulation_report::{FrameRecord, Run, SCHEMA, SimulationReport, Totals};
+use crate::io::simulation_report::{FrameRecord, Run, SCHEMA, Settled, SimulationReport, Totals};
 use crate::io::{atomic, process, read};
 use serde_json::json;
 use std::path::PathBuf;
@@ -81,6 +81,7 @@ impl Inputs<'_> {
             "added_mass": s.added_mass,
             "tolerance": s.tolerance,
             "implicit_step": s.implicit_step,
+            "settle_s": s.settle,
             "self_collision": s.self_collision,
         })
     }
@@ -100,14 +101,17 @@ pub struct Results {
 }
 
 impl Results {
-    /// Makes the folder. Motions that are gone on with keep the frames that were done.
-    pub fn open(inputs: &Inputs, level: &Level, done: &[FrameRecord]) -> Result<Self, Error> {
+    /// Makes the folder. Motions begin at `first`, m, of all garments; those that are gone on with keep the frames that
+    /// were done.
+    pub fn open(inputs: &Inputs, level: &Level, mut first: &[Vector3], done: &[FrameRecord]) -> Result<Self, Error> {
         let (out, fitted) = (&inputs.asked.out, inputs.fitted);
         prepare(out)?;
         let folders = folders(inputs);
         folders.iter().try_for_each(|folder| prepare(folder))?;
         let mut writers = Vec::new();
         for (fitted, folder) in fitted.iter().zip(&folders) {
+            let (own, others) = first.split_at(fitted.level().particle_count);
+            first = others;
             let header = MotionHeader {
                 precision: Precision::Double,
                 particle_count: fitted.level().particle_count,
@@ -128,7 +132,7 @@ impl Results {
                 writers.push(writer);
             } else {
                 let mut writer = MotionWriter::create(&file, header)?;
-                writer.append(&fitted.state.positions)?;
+                writer.append(own)?;
                 writers.push(writer);
             }
         }
@@ -178,7 +182,7 @@ impl Results {
     pub fn finish(
         self,
         inputs: &Inputs,
-        frames: &[FrameRecord],
+        (settled, frames): (&Settled, &[FrameRecord]),
         (step_seconds, added_mass_share): (f64, f64),
         warnings: &[String],
         simulated: [Option<f64>; 2],
@@ -200,7 +204,7 @@ impl Results {
         };
         let totals = Totals::of(frames);
         let run = Run::new(host, simulated, frames.len());
-        let summary = summary(&totals, &run, frames, &self.out);
+        let summary = summary(&totals, &run, settled, frames, &self.out);
         let report = SimulationReport {
             schema: SCHEMA,
             toile: env!("CARGO_PKG_VERSION"),
@@ -210,6 +214,7 @@ impl Results {
             transition_frames: inputs.shot.transition_frames,
             step_seconds,
             added_mass_share,
+            settled,
             totals,
             frames,
             warnings,
@@ -234,7 +239,7 @@ fn folders(inputs: &Inputs) -> Vec<PathBuf> {
     names.iter().map(|name| out.join(name)).collect()
 }
 
-fn summary(totals: &Totals, run: &Run, frames: &[FrameRecord], out: &std::path::Path) -> String {
+fn summary(totals: &Totals, run: &Run, settled: &Settled, frames: &[FrameRecord], out: &std::path::Path) -> String {
     let seconds = frames.last().map_or(0.0, |last| last.time);
     let mut lines = vec![format!(
         "{} frames, {seconds:.2} s, in {} steps; stretch at most {:.1} %, speed at most {:.2} m/s",
@@ -243,6 +248,12 @@ fn summary(totals: &Totals, run: &Run, frames: &[FrameRecord], out: &std::path::
         totals.largest_stretch * 100.0,
         totals.largest_speed,
     )];
+    if settled.steps > 0 {
+        lines.push(format!(
+            "  settled before in {:.2} s, {} steps, at {:.2} m/s at most",
+            settled.time, settled.steps, settled.largest_speed
+        ));
+    }
     if let (Some(deepest), Some(body), Some(cloth)) =
         (totals.deepest_mm, totals.most_body_intersections, totals.most_cloth_intersections)
     {

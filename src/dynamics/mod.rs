@@ -5,8 +5,8 @@
 //!
 //! ```text
 //!     velocities and moves by an integrator        integrator.rs, implicit.rs; forces in forces.rs, step in stability.rs
-//!     edges stretched to their limit               super_elasticity.rs (Vassilev and Spanlang 2001)
 //!     velocities against the moving body           response.rs, surface.rs, broad_phase.rs (Kaynar Kabul 2004)
+//!     edges stretched to their limit               super_elasticity.rs (Vassilev and Spanlang 2001)
 //!     moves that lead through no cloth             contact::SelfContact
 //!     what is in the body is put back              response.rs
 //! ```
@@ -41,11 +41,12 @@ pub use surface::{Place, Surface};
 use crate::energy::Model;
 use crate::garment::Level;
 use crate::geometry::Vector3;
+use crate::minimize::CHUNK;
 use crate::pattern::{Cut, Fabric};
 use implicit::Implicit;
 use integrator::{Stepper, for_all};
 use rayon::prelude::*;
-use response::Response;
+use response::{Middles, Response};
 
 /// Cloth of one level that moves about a body.
 pub struct Simulation {
@@ -54,6 +55,9 @@ pub struct Simulation {
     stepper: Stepper,
     elastic: SuperElasticity,
     response: Response,
+    middles: Middles,
+    /// Of the last step, J, while cloth settles.
+    kinetic_energy: Option<f64>,
     velocities: Vec<Vector3>,
     moves: Vec<Vector3>,
     dampened: Vec<Vector3>,
@@ -97,6 +101,8 @@ impl Simulation {
             forces: Forces::new(level, cut, fabric, model, settings, &positions),
             stepper: Stepper::new(settings, implicit, count),
             elastic: SuperElasticity::new(level, settings.stretch_limit, &positions),
+            middles: Middles::new(level),
+            kinetic_energy: None,
             response: Response::new(count, settings.clearance, fabric.friction, settings.restitution),
             movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
             velocities: vec![Vector3::zeros(); count],
@@ -162,6 +168,30 @@ impl Simulation {
         rayon::scope(|_| self.steps(surface, duration, done))
     }
 
+    /// Lets cloth that a fit left nearly in balance find it, for `duration`, s, on a body that stands still: whenever
+    /// the kinetic energy has passed a peak, all stand still (kinetic damping, Cundall 1976). What would have swung
+    /// through the first frames of a shot does not begin to.
+    pub fn settle(&mut self, surface: &mut Surface, duration: f64) -> Course {
+        self.look_afresh();
+        self.kinetic_energy = Some(0.0);
+        let course = self.run(surface, duration, |_| false);
+        self.kinetic_energy = None;
+        self.movement.velocities.fill(Vector3::zeros());
+        course
+    }
+
+    /// Stops all if the kinetic energy has passed a peak.
+    fn stop_at_a_peak(&mut self) {
+        let Self { movement, forces, kinetic_energy: Some(last), .. } = self else { return };
+        let energy = kinetic_energy(&movement.velocities, &forces.pace.inertia);
+        *last = if energy < *last {
+            movement.velocities.fill(Vector3::zeros());
+            0.0
+        } else {
+            energy
+        };
+    }
+
     fn steps(&mut self, surface: &mut Surface, duration: f64, mut done: impl FnMut(&Course) -> bool) -> Course {
         let before = self.stepper.evaluations;
         let mut course = Course { shortest_step: f64::INFINITY, ..Course::default() };
@@ -170,7 +200,11 @@ impl Simulation {
             let left = duration - elapsed;
             let wanted = left / (left / self.step_length()).ceil().max(1.0);
             let (step, met) = self.step(surface, wanted, (elapsed, duration));
+            if course.steps % LOOK_BETWEEN == LOOK_BETWEEN / 2 {
+                self.response.look_between(surface, &self.movement.positions, &self.middles);
+            }
             elapsed = if duration - elapsed - step < SLIVER * duration { duration } else { elapsed + step };
+            self.stop_at_a_peak();
             let squared = self.movement.velocities.iter().map(|v| v.norm_squared());
             let largest = squared.fold(0.0, f64::max).sqrt();
             course.steps += 1;
@@ -190,7 +224,7 @@ impl Simulation {
 
     /// One step of at most `step`, s, at a time within a frame of some duration; returns the step taken.
     fn step(&mut self, surface: &mut Surface, step: f64, (elapsed, duration): (f64, f64)) -> (f64, Met) {
-        let Self { movement, forces, stepper, elastic, response, velocities, moves, dampened } = self;
+        let Self { movement, forces, stepper, elastic, response, velocities, moves, dampened, .. } = self;
         let step = stepper.advance(forces, movement, step, velocities, moves);
         // Mean velocities over the step, which limits and contact act upon; what they change stays in the new ones.
         let mean = moves;
@@ -201,8 +235,10 @@ impl Simulation {
             for_all(mean, |p, m| *m += dampened[p] - velocities[p]);
         }
         for_all(velocities, |p, v| *v = dampened[p] - mean[p]);
-        elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
         let met = response.respond(surface, &movement.positions, mean, step);
+        // After friction: what limbs drag apart slips.
+        elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
+        response.hold_off(mean);
         for_all(mean, |_, m| *m *= step);
         forces.limit(&movement.positions, mean);
         for_all(velocities, |p, v| *v += mean[p] / step);
@@ -214,16 +250,28 @@ impl Simulation {
     }
 }
 
+/// Steps from one look at the cloth between the particles to the next.
+const LOOK_BETWEEN: usize = 64;
 /// Inertia of what is held, kg: no force moves it by what shows in an f64.
 const PINNED: f64 = 1e18;
 /// What is left of a frame is no step of its own if it is a smaller share.
 const SLIVER: f64 = 1e-9;
 
-/// Root mean square of lengths. Summed in chunks of a fixed size, so that threads change nothing.
+/// Root mean square of lengths.
 fn rms(vectors: &[Vector3]) -> f64 {
-    let sums: Vec<f64> =
-        vectors.par_chunks(crate::minimize::CHUNK).map(|chunk| chunk.iter().map(|v| v.norm_squared()).sum()).collect();
-    (sums.iter().sum::<f64>() / vectors.len().max(1) as f64).sqrt()
+    let chunks = vectors.par_chunks(CHUNK).map(|chunk| chunk.iter().map(|v| v.norm_squared()).sum());
+    (sum(chunks) / vectors.len().max(1) as f64).sqrt()
+}
+
+/// J, of velocities, m/s, and inertia, kg.
+fn kinetic_energy(velocities: &[Vector3], inertia: &[f64]) -> f64 {
+    let chunks = velocities.par_chunks(CHUNK).zip(inertia.par_chunks(CHUNK));
+    sum(chunks.map(|(v, m)| v.iter().zip(m).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()))
+}
+
+/// Sums over chunks of a fixed size are added up in their order, so that threads change nothing.
+fn sum(chunks: impl IndexedParallelIterator<Item = f64>) -> f64 {
+    chunks.collect::<Vec<f64>>().iter().sum()
 }
 
 #[cfg(test)]

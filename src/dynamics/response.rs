@@ -14,10 +14,15 @@
 //! `δ` is the clearance. The velocity of the skin is that of the moving triangle at the foot's barycentric weights.
 //! Contact is no spring: what rests on the body rests there in exactly the balance of the fit.
 //!
+//! Where the body bulges out between particles they keep farther off: middles of edges and triangles are looked at every
+//! so many steps, and what they lack is added to what the particles around keep beyond the clearance.
+//!
 //! Friction is Coulomb's: a change of the normal velocity by `Δv` takes up to `μ Δv` from the tangential one.
 
+use super::integrator::for_all;
 use super::surface::{Place, Surface};
-use crate::geometry::Vector3;
+use crate::garment::Level;
+use crate::geometry::{EdgeTable, Vector3};
 use crate::minimize::CHUNK;
 use rayon::prelude::*;
 
@@ -38,6 +43,10 @@ const CARRIED: u32 = 6;
 const SLID: f64 = 4e-4;
 /// Particles that will be nearer to the skin than this after a step are looked at again there, m.
 const CLOSE: f64 = 1e-4;
+/// The middles of edges and triangles keep this share of the clearance.
+const MARGIN: f64 = 0.5;
+/// How far the body bulges out between particles, at most, as a share of their distance.
+const BULGE: f64 = 0.3;
 /// Impacts slower than this are no impacts, m/s: gravity over a step.
 const SLOWEST_IMPACT: f64 = 0.05;
 
@@ -57,11 +66,21 @@ struct Track {
     close: bool,
     /// What the particle keeps beyond the clearance, m.
     extra: f64,
+    /// The least velocity along the direction away from the skin that the last response left it, m/s.
+    least: Option<(Vector3, f64)>,
 }
 
 impl Track {
-    const UNKNOWN: Track =
-        Track { place: None, age: 0, carried: 0, slid: 0.0, slack: f64::NEG_INFINITY, close: false, extra: 0.0 };
+    const UNKNOWN: Track = Track {
+        place: None,
+        age: 0,
+        carried: 0,
+        slid: 0.0,
+        slack: f64::NEG_INFINITY,
+        close: false,
+        extra: 0.0,
+        least: None,
+    };
 }
 
 /// Contact of particles with a moving surface.
@@ -70,6 +89,22 @@ pub struct Response {
     friction: f64,
     restitution: f64,
     clearance: f64,
+}
+
+/// The cloth between particles: edges and triangles of a level, and how near they have to be to the skin to be looked
+/// at, m.
+pub struct Middles {
+    edges: Vec<[u32; 2]>,
+    triangles: Vec<[u32; 3]>,
+    reach: f64,
+}
+
+impl Middles {
+    pub fn new(level: &Level) -> Self {
+        let triangles = level.particle_triangles();
+        let edges = EdgeTable::new(&triangles).edges.iter().map(|edge| edge.ends).collect();
+        Self { edges, triangles, reach: BULGE * level.resolution }
+    }
 }
 
 /// How a step met the body.
@@ -133,6 +168,7 @@ impl Response {
         let met = chunks.map(|((tracks, positions), velocities)| {
             let mut met = Met::default();
             for ((track, &position), velocity) in tracks.iter_mut().zip(positions).zip(velocities) {
+                track.least = None;
                 let Some(place) = track.follow(surface, position, *velocity, step, clearance) else { continue };
                 let skin = surface.velocity(&place);
                 let (normal, relative) = (place.normal, *velocity - skin);
@@ -165,10 +201,67 @@ impl Response {
                     track.extra *= (-slid / FORGETTING).exp();
                 }
                 track.close = place.distance + relative.dot(&normal) * step < CLOSE;
+                track.least = Some((normal, skin.dot(&normal) + least.max((-gap / step).min(RECOVERY))));
             }
             met
         });
         met.reduce(Met::default, Met::and)
+    }
+
+    /// Takes back what has been changed since the last response in velocities, m/s, as far as it leads into the body.
+    pub fn hold_off(&self, velocities: &mut [Vector3]) {
+        for_all(velocities, |p, velocity| {
+            if let Some((normal, least)) = self.tracks[p].least {
+                *velocity += normal * (least - velocity.dot(&normal)).max(0.0);
+            }
+        });
+    }
+
+    /// Has particles keep farther off where the body comes through the cloth between them: at the middles of edges and
+    /// triangles, given by their corners, of cloth that is at `positions`, m.
+    pub fn look_between(&mut self, surface: &Surface, positions: &[Vector3], middles: &Middles) {
+        let (tracks, margin) = (&self.tracks, MARGIN * self.clearance);
+        let missing = |corners: &[u32]| {
+            let mut start: Option<Place> = None;
+            let mut middle = Vector3::zeros();
+            for &p in corners {
+                let place = tracks[p as usize].place?;
+                if start.is_none_or(|nearest| place.distance < nearest.distance) {
+                    start = Some(place);
+                }
+                middle += positions[p as usize];
+            }
+            let start = start.filter(|nearest| nearest.distance < middles.reach)?;
+            let place = surface.refine(middle / corners.len() as f64, start.triangle);
+            // What lies on the far side of a limb is not what these particles lie on.
+            let there = place.normal.dot(&start.normal) > 0.0;
+            let missing = margin - place.distance;
+            (there && missing > 0.0).then_some(missing.min(MOST_EXTRA))
+        };
+        let found = |all: &[u32], size: usize| -> Vec<(u32, f64)> {
+            let chunks = all.par_chunks(CHUNK * size).enumerate().map(|(chunk, corners)| {
+                let at = corners.chunks_exact(size).enumerate();
+                at.filter_map(|(k, corners)| Some(((chunk * CHUNK + k) as u32, missing(corners)?))).collect::<Vec<_>>()
+            });
+            chunks.collect::<Vec<_>>().concat()
+        };
+        let (edges, triangles) = (middles.edges.as_flattened(), middles.triangles.as_flattened());
+        let mut more = vec![0.0f64; positions.len()];
+        for (all, size) in [(edges, 2), (triangles, 3)] {
+            for (k, missing) in found(all, size) {
+                for &p in &all[k as usize * size..][..size] {
+                    more[p as usize] = more[p as usize].max(missing);
+                }
+            }
+        }
+        for (track, more) in self.tracks.iter_mut().zip(more) {
+            if more > 0.0 {
+                // It may lie farther off than it has to already.
+                let kept = track.place.map_or(0.0, |place| (place.distance - self.clearance).max(0.0));
+                track.extra = track.extra.max((kept.min(MOST_EXTRA) + more).min(MOST_EXTRA));
+                track.slack = f64::NEG_INFINITY;
+            }
+        }
     }
 
     /// Puts particles that are in the body back on the skin, and has them move with it.

@@ -82,6 +82,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Length of an implicit step, s.
     pub implicit_step: f64,
+    /// How long cloth may find its balance before the body moves, simulated s.
+    pub settle: f64,
     /// Does cloth keep clear of cloth?
     pub self_collision: bool,
 }
@@ -100,6 +102,7 @@ impl Default for Settings {
             added_mass: 0.01,
             tolerance: 1e-5,
             implicit_step: 2e-3,
+            settle: 0.1,
             self_collision: true,
         }
     }
@@ -121,6 +124,7 @@ impl Settings {
         within("added_mass", self.added_mass, 0.0, 1.0)?;
         within("tolerance", self.tolerance, 1e-9, 1e-2)?;
         within("implicit_step", self.implicit_step, 1e-6, 0.05)?;
+        within("settle", self.settle, 0.0, 60.0)?;
         within("wind", self.wind.norm(), 0.0, 100.0)?;
         within("stretch_limit", self.stretch_limit.unwrap_or(0.05), 1e-4, 10.0)
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! 8 bytes   "TOILEP\r\n"
-//! u32       version            1
+//! u32       version            2
 //! u32       length             of the description, bytes
 //! bytes     description        JSON: what is simulated and how, and what the frames so far were like
 //! numbers   x y z              f64, of each particle: its position, m; then of each its velocity, m/s
@@ -13,14 +13,14 @@
 //! All numbers little-endian. A simulation goes on only from a checkpoint of its own: the same garments, the same body
 //! and motion, the same settings.
 
-use super::simulation_report::FrameRecord;
+use super::simulation_report::{FrameRecord, Settled};
 use crate::Error;
 use crate::dynamics::Movement;
 use crate::geometry::Vector3;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"TOILEP\r\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER_BYTES: usize = 8 + 4 + 4;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -29,6 +29,7 @@ const CHECKSUM_BYTES: usize = 4;
 pub struct Description {
     /// A digest of all that decides the result.
     pub of: String,
+    pub settled: Settled,
     /// One per frame that was simulated.
     pub frames: Vec<FrameRecord>,
 }
@@ -101,7 +102,7 @@ mod tests {
     fn sample() -> Checkpoint {
         let vector = |k: usize| Vector3::new(k as f64 / 3.0, -1e-300, 1.0);
         Checkpoint {
-            description: Description { of: "abc".to_owned(), frames: vec![FrameRecord::default(); 2] },
+            description: Description { of: "abc".to_owned(), settled: Settled::default(), frames: vec![FrameRecord::default(); 2] },
             movement: Movement { positions: (0..5).map(vector).collect(), velocities: (5..10).map(vector).collect() },
             extra: vec![0.0, 1e-3, 0.0, 2e-4, 0.0],
         }

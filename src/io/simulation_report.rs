@@ -25,6 +25,16 @@ pub struct FrameRecord {
     pub measured: Option<Measured>,
 }
 
+/// How the cloth found its balance before the body moved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Settled {
+    /// Simulated, s.
+    pub time: f64,
+    pub steps: usize,
+    /// m/s, of any particle in any step.
+    pub largest_speed: f64,
+}
+
 /// What exact tests say of the end of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
@@ -47,6 +57,7 @@ pub struct SimulationReport<'a> {
     pub transition_frames: usize,
     pub step_seconds: f64,
     pub added_mass_share: f64,
+    pub settled: &'a Settled,
     pub totals: Totals,
     pub frames: &'a [FrameRecord],
     pub warnings: &'a [String],
