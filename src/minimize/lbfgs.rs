@@ -14,7 +14,8 @@ use super::vectors::{add, add_scaled, capped, divide, subtract};
 use super::{Iterate, MOST_HALVINGS, Problem, Settings, Termination, dot};
 use crate::geometry::Vector3;
 
-/// Steps that are remembered. More need fewer evaluations, but soon fall out of the processor's cache.
+/// Steps that are remembered unless it is said otherwise. More need fewer evaluations, but soon fall out of the
+/// processor's cache.
 const MEMORY: usize = 5;
 /// A step is remembered if the gradient grew along it by this share of what its length allows, at least.
 const LEAST_GROWTH: f64 = 1e-10;
@@ -28,6 +29,8 @@ pub struct Lbfgs {
     trial: Vec<Vector3>,
     /// Oldest first.
     memory: Vec<Pair>,
+    /// Steps that are remembered.
+    most: usize,
 }
 
 /// A step, the change of the gradient along it, and their product.
@@ -39,6 +42,11 @@ struct Pair {
 
 impl Lbfgs {
     pub fn new(point_count: usize) -> Self {
+        Self::with_memory(point_count, MEMORY)
+    }
+
+    /// Remembers `most` steps.
+    pub fn with_memory(point_count: usize, most: usize) -> Self {
         let zeros = || vec![Vector3::zeros(); point_count];
         Self {
             gradient: zeros(),
@@ -47,6 +55,7 @@ impl Lbfgs {
             moves: zeros(),
             trial: zeros(),
             memory: Vec::new(),
+            most,
         }
     }
 
@@ -140,7 +149,7 @@ impl Lbfgs {
     /// Keeps the step from the gradient to that of the trial, in the place of the oldest.
     fn remember(&mut self) {
         let mut pair = match self.memory.len() {
-            MEMORY => self.memory.remove(0),
+            n if n >= self.most => self.memory.remove(0),
             _ => {
                 let zeros = || vec![Vector3::zeros(); self.moves.len()];
                 Pair { step: zeros(), change: zeros(), product: 0.0 }

@@ -48,6 +48,11 @@ impl Minimizer {
         Self { working, curvatures: 0 }
     }
 
+    /// L-BFGS that remembers so many steps.
+    pub fn lbfgs(point_count: usize, memory: usize) -> Self {
+        Self { working: Working::Lbfgs(Lbfgs::with_memory(point_count, memory)), curvatures: 0 }
+    }
+
     /// Curvatures asked of problems in all runs so far. They are no evaluations, but cost about half of one.
     pub fn curvatures(&self) -> usize {
         self.curvatures

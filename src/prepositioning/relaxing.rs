@@ -68,7 +68,7 @@ pub fn relax(
         particles: cloth.particle_count,
         triangles: cloth.triangles.len(),
         evaluations: run.evaluations,
-        curvatures: run.minimizer.curvatures(),
+        curvatures: run.curvatures + run.minimizer.curvatures(),
         energies: problem.terms,
         residual,
         termination,
@@ -125,6 +125,9 @@ fn coarsely(
             break;
         }
     }
+    if level == 0 && scene.settings.minimizer == Method::Newton && termination != Termination::Converged {
+        termination = run.swing(scene, problem, positions, observer);
+    }
     if ends_by_newton(scene) && termination != Termination::Converged {
         // The nearer a level starts to its rest, the fewer dear steps it takes to get there.
         run.by_newton(scene, level, problem);
@@ -132,6 +135,15 @@ fn coarsely(
     }
     termination
 }
+
+/// Evaluations in which the coarsest level swings to where it hangs, at most, and steps that are remembered there. A
+/// skirt whose panels stood out around the legs has a quarter of a circle to go, along a valley that is curved and
+/// shallow: conjugate gradients end on its side, and what is left there no finer level makes up for.
+const SWING_EVALUATIONS: usize = 800;
+const SWING_MEMORY: usize = 20;
+/// It hangs when so many evaluations lower it by less than this, m.
+const SWING_WINDOW: usize = 100;
+const SWING_SINKING: f64 = 3e-4;
 
 /// Evaluations of Newton's method on a level but the finest, on the way to equilibrium.
 const COARSE_NEWTON_EVALUATIONS: usize = 400;
@@ -349,8 +361,12 @@ struct Run {
     /// Takes over where the first is too slow.
     newton: Option<Newton>,
     evaluations: usize,
+    /// Of minimizers before this one.
+    curvatures: usize,
     /// By how much the last run lowered the energy, J.
     fallen: f64,
+    /// A run ends when it lowers the energy by less than this in [`SWING_WINDOW`] evaluations, J.
+    least_fall: f64,
     /// When it was last measured.
     strain: Option<Strain>,
     curve: Vec<CurvePoint>,
@@ -359,7 +375,34 @@ struct Run {
 impl Run {
     fn new(scene: &Scene, cloth: &Level) -> Self {
         let minimizer = Minimizer::new(scene.settings.minimizer, cloth.particle_count);
-        Self { minimizer, newton: None, evaluations: 0, fallen: f64::INFINITY, strain: None, curve: Vec::new() }
+        Self {
+            minimizer,
+            newton: None,
+            evaluations: 0,
+            curvatures: 0,
+            fallen: f64::INFINITY,
+            least_fall: f64::NEG_INFINITY,
+            strain: None,
+            curve: Vec::new(),
+        }
+    }
+
+    /// Lets the coarsest level hang out, in one long run of L-BFGS.
+    fn swing(
+        &mut self,
+        scene: &Scene,
+        problem: &mut Relaxation,
+        positions: &mut Vec<Vector3>,
+        observer: &mut dyn Observer,
+    ) -> Termination {
+        let cloth = &scene.garment.levels[0];
+        self.curvatures += self.minimizer.curvatures();
+        self.minimizer = Minimizer::lbfgs(cloth.particle_count, SWING_MEMORY);
+        self.least_fall = SWING_SINKING * weight(problem);
+        self.steps(scene, 0, problem, positions, SWING_EVALUATIONS, observer);
+        self.least_fall = f64::NEG_INFINITY;
+        let balanced = self.curve.last().is_some_and(|point| point.residual <= COARSE_RESIDUAL);
+        if balanced { Termination::Converged } else { Termination::Budget }
     }
 
     /// From now on steps are Newton's.
@@ -389,13 +432,15 @@ impl Run {
         let masses = problem.energy.masses().clone();
         let before = self.evaluations;
         let first = self.curve.len();
-        let curve = &mut self.curve;
+        let (curve, least_fall) = (&mut self.curve, self.least_fall);
         let done = |iterate: &Iterate| {
             let residual = Residual::of(iterate.gradient, &masses).rms;
             let point = CurvePoint { evaluations: before + iterate.evaluations, energy: iterate.value, residual };
             curve.push(point);
             observer.event(&Event::Step { level, point });
+            let earlier = || curve[first..].iter().rev().find(|p| p.evaluations + SWING_WINDOW <= point.evaluations);
             residual <= goal
+                || least_fall > 0.0 && earlier().is_some_and(|earlier| earlier.energy - point.energy < least_fall)
         };
         let (termination, _, spent) = match &mut self.newton {
             Some(newton) => newton.run(problem, positions, &steps, done),
