@@ -22,7 +22,6 @@ fn size(motion: &Motion, k: usize) -> Vector3 {
 }
 
 #[test]
-#[ignore = "its bounds and words were written before it was first run, and have to be gone through one by one"]
 fn the_walking_woman_begins_as_the_standing_one_and_stays_a_body() {
     let Some(path) = animation("walking_female.glb") else { return };
     let (motion, warnings) = open(&path, &Options::default()).unwrap();
@@ -50,7 +49,6 @@ fn the_walking_woman_begins_as_the_standing_one_and_stays_a_body() {
 }
 
 #[test]
-#[ignore = "its bounds and words were written before it was first run, and have to be gone through one by one"]
 fn cesium_man_is_welded_closed_and_as_tall_as_he_is() {
     let Some(path) = animation("CesiumMan.glb") else { return };
     let (motion, warnings) = open(&path, &Options::default()).unwrap();
@@ -280,7 +278,6 @@ fn poke(glb: &mut Glb, accessor: &Value, element: usize, number: f32) {
 }
 
 #[test]
-#[ignore = "its bounds and words were written before it was first run, and have to be gone through one by one"]
 fn damaged_animations_are_told_with_their_place() {
     let sampler = |glb: &Glb, end: &str| glb.json["animations"][0]["samplers"][0][end].clone();
     let attribute = |glb: &Glb, name: &str| glb.json["meshes"][0]["primitives"][0]["attributes"][name].clone();

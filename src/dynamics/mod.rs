@@ -169,8 +169,8 @@ impl Simulation {
     }
 
     /// Lets cloth that a fit left nearly in balance find it, for `duration`, s, on a body that stands still: whenever
-    /// the kinetic energy has passed a peak, all stand still (kinetic damping, Cundall 1976). What would have swung
-    /// through the first frames of a shot does not begin to.
+    /// the kinetic energy has passed a peak, all stand still (kinetic damping, Cundall 1976), and none is fast. What
+    /// would have swung through the first frames of a shot does not begin to.
     pub fn settle(&mut self, surface: &mut Surface, duration: f64) -> Course {
         self.look_afresh();
         self.kinetic_energy = Some(0.0);
@@ -180,9 +180,10 @@ impl Simulation {
         course
     }
 
-    /// Stops all if the kinetic energy has passed a peak.
-    fn stop_at_a_peak(&mut self) {
+    /// While cloth settles: stops all if the kinetic energy has passed a peak, and lets none be fast.
+    fn slow_down(&mut self) {
         let Self { movement, forces, kinetic_energy: Some(last), .. } = self else { return };
+        for_all(&mut movement.velocities, |_, v| *v *= (SETTLING_SPEED / v.norm()).min(1.0));
         let energy = kinetic_energy(&movement.velocities, &forces.pace.inertia);
         *last = if energy < *last {
             movement.velocities.fill(Vector3::zeros());
@@ -204,7 +205,7 @@ impl Simulation {
                 self.response.look_between(surface, &self.movement.positions, &self.middles);
             }
             elapsed = if duration - elapsed - step < SLIVER * duration { duration } else { elapsed + step };
-            self.stop_at_a_peak();
+            self.slow_down();
             let squared = self.movement.velocities.iter().map(|v| v.norm_squared());
             let largest = squared.fold(0.0, f64::max).sqrt();
             course.steps += 1;
@@ -250,6 +251,8 @@ impl Simulation {
     }
 }
 
+/// The most that a particle moves at while cloth settles, m/s.
+const SETTLING_SPEED: f64 = 0.15;
 /// Steps from one look at the cloth between the particles to the next.
 const LOOK_BETWEEN: usize = 64;
 /// Inertia of what is held, kg: no force moves it by what shows in an f64.

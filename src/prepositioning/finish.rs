@@ -11,6 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of holding, looking and widening.
 const MOST_ROUNDS: usize = 16;
+/// Rounds after those in which nothing is smoothed any more, so that nothing that is clear comes near again.
+const LAST_ROUNDS: usize = 8;
 /// How much farther the particles of a pierced triangle keep after each round, m, at least.
 const LEAST_WIDENING: f64 = 4e-4;
 /// The same for large triangles, as a share of how far an edge of theirs cuts into a limb.
@@ -42,7 +44,7 @@ pub fn clear_body(
     // Halfway between what is asked for and what is let pass.
     let enough = scene.settings.clearance - 0.5 * CLEARANCE_TOLERANCE;
     let mut clearing = Clearing::default();
-    for _ in 0..MOST_ROUNDS {
+    for round in 0..MOST_ROUNDS + LAST_ROUNDS {
         clearing.moved |= hold(problem, positions);
         let near = too_near(scene, level, positions);
         if near.is_empty() {
@@ -64,12 +66,15 @@ pub fn clear_body(
         missing.retain(|p, _| !pierced.contains(p));
         problem.body.keep_farther(missing);
         problem.body.widen(pierced, widening);
+        clearing.moved = true;
         hold(problem, positions);
+        if round >= MOST_ROUNDS {
+            continue;
+        }
         let steps = if gentle { &gentle_steps } else { &steps };
         clearing.evaluations += minimizer.run(problem, positions, steps, |_| false).2;
         problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
         problem.body.correct(positions);
-        clearing.moved = true;
     }
     hold(problem, positions);
     clearing

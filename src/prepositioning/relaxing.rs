@@ -270,7 +270,7 @@ fn is_slightly_strained(scene: &Scene, level: usize, positions: &[Vector3]) -> b
 /// How far strain may be beyond its limits, over them, to be worth another run.
 const SLIGHTLY: f64 = 1.04;
 /// How many such runs there are at most.
-const MOST_SECOND_LOOKS: usize = 2;
+const MOST_SECOND_LOOKS: usize = 4;
 
 /// N.
 fn weight(problem: &Relaxation) -> f64 {
