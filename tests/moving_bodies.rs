@@ -315,7 +315,7 @@ fn damaged_animations_are_told_with_their_place() {
                 .unwrap();
         g.binary[at as usize + 20] = 0;
     };
-    refused(zero, &["mesh 0, primitive 0", "Vertex 5", "sum to 0"]);
+    refused(zero, &["mesh 0, primitive 0", "Vertex 5", "sum to 0.000"]);
     refused(|g| g.json["accessors"][0]["count"] = json!(23), &["JOINTS_0", "24 vertices", "23"]);
     refused(|g| g.json["accessors"][0]["count"] = json!(u64::MAX), &["accessor 0", "more numbers"]);
     refused(|g| g.json["accessors"][0]["count"] = json!(0), &["accessor 0", "no elements"]);

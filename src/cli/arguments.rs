@@ -352,9 +352,10 @@ pub struct Simulate {
     /// Time that the cloth has to find its balance before the body moves, s [default: 0.1]
     #[arg(long, value_name = "SECONDS")]
     pub settle: Option<f64>,
-    /// Stretch beyond which edges do not lengthen, per cent [default: none, stiffness alone holds the cloth]
+    /// Stretch beyond which edges do not lengthen, per cent, or "none": stiffness alone holds the cloth [default: 3 more
+    /// than the fabric bears]
     #[arg(long, value_name = "PERCENT")]
-    pub stretch_limit: Option<f64>,
+    pub stretch_limit: Option<String>,
     /// Cloth may pass through cloth
     #[arg(long)]
     pub no_self_collision: bool,

@@ -58,6 +58,8 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     start_threads(threads(asked.threads)?);
     let fitted: Vec<Fitted> = asked.fits.iter().map(|fit| Fitted::open(fit)).collect::<Result<_, _>>()?;
     settings.clearance = fitted[0].state.settings.clearance;
+    settings.stretch_limit = stretch_limit(asked.stretch_limit.as_deref(), &fitted)?;
+    settings.check().map_err(Failure::Usage)?;
     let (motion, mut warnings) = open_motion(asked)?;
     let shot = Shot::of(asked, &motion)?;
     let level = Level::together(&fitted.iter().map(Fitted::level).collect::<Vec<_>>());
@@ -127,7 +129,6 @@ fn settings(asked: &Simulate) -> Result<Settings, Failure> {
         wind: wind(&asked.wind).map_err(usage("--wind"))?,
         settle: asked.settle.unwrap_or(defaults.settle),
         restitution: asked.restitution.unwrap_or(defaults.restitution),
-        stretch_limit: asked.stretch_limit.map(|percent| percent / 100.0),
         self_collision: !asked.no_self_collision,
         ..defaults
     };
@@ -137,6 +138,25 @@ fn settings(asked: &Simulate) -> Result<Settings, Failure> {
         return Err(Failure::Usage(error.within("--transition")));
     }
     Ok(settings)
+}
+
+/// Beyond what the most elastic of the fabrics bears: single edges of a fit are, and what a limb catches will be.
+const BEYOND_FABRIC: f64 = 0.03;
+
+/// Strain beyond which edges do not lengthen.
+fn stretch_limit(asked: Option<&str>, fitted: &[Fitted]) -> Result<Option<f64>, Failure> {
+    let Some(text) = asked else {
+        let most = fitted.iter().map(|f| f.state.fabric.stretch_limit).fold(0.0, f64::max);
+        return Ok(Some(most + BEYOND_FABRIC));
+    };
+    if text == "none" {
+        return Ok(None);
+    }
+    let percent = text.trim().trim_end_matches('%').trim_end().parse::<f64>();
+    percent.map(|percent| Some(percent / 100.0)).map_err(|_| {
+        let problem = format!("\"{text}\" is no stretch.");
+        Failure::Usage(Error::new(problem, "Give per cent, such as 8, or \"none\".").within("--stretch-limit"))
+    })
 }
 
 /// What goes by a name.

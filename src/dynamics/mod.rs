@@ -241,7 +241,12 @@ impl Simulation {
         elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
         response.hold_off(mean);
         for_all(mean, |_, m| *m *= step);
-        forces.limit(&movement.positions, mean);
+        if forces.limit(&movement.positions, mean) {
+            // Neither does cloth that is drawn along by cloth tear its neighbours.
+            for_all(mean, |_, m| *m /= step);
+            elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
+            for_all(mean, |_, m| *m *= step);
+        }
         for_all(velocities, |p, v| *v += mean[p] / step);
         for_all(&mut movement.positions, |p, x| *x += mean[p]);
         movement.velocities.copy_from_slice(velocities);

@@ -73,8 +73,8 @@ pub struct Settings {
     pub wind: Vector3,
     /// Share of the speed of an impact that cloth keeps when it leaves the body again, 0 to 1.
     pub restitution: f64,
-    /// Strain beyond which edges do not lengthen. None by default: its own stiffness holds most cloth, and what limbs drag
-    /// apart keeps no limit.
+    /// Strain beyond which edges do not lengthen. None by default: its own stiffness holds cloth that hangs; what limbs catch
+    /// needs one.
     pub stretch_limit: Option<f64>,
     /// The most mass, as a share of the garment's, that small triangles may be given for longer steps.
     pub added_mass: f64,

@@ -214,7 +214,7 @@ impl Surface {
             let sum = normalize(influences);
             if sum < LEAST_WEIGHT {
                 return Err(Error::new(
-                    format!("Vertex {v} follows no joint: its weights sum to {sum}."),
+                    format!("Vertex {v} follows no joint: its weights sum to {:.3}.", sum.max(0.0)),
                     "Give every vertex a weight in the program that made the skin, and export it again.",
                 ));
             }
