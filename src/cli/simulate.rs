@@ -103,7 +103,8 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
         results.append(frame, positions)?;
         results.shoot(frame, positions, &end);
         let description = Description { of: digest.clone(), settled: settled.clone(), frames: frames.clone() };
-        let checkpoint = Checkpoint { description, movement: simulation.movement.clone(), extra: simulation.extra() };
+        let (movement, remembered) = (simulation.movement.clone(), simulation.remembered());
+        let checkpoint = Checkpoint { description, movement, remembered };
         atomic::write(&asked.out.join("checkpoint.toile"), &checkpoint::write(&checkpoint))?;
         wall += before.elapsed().as_secs_f64();
         cpu = cpu.zip(process::cpu_seconds().zip(cpu_before)).map(|(sum, (now, before))| sum + now - before);
@@ -302,7 +303,7 @@ fn go_on(out: &Path, digest: &str, simulation: &mut Simulation) -> Result<(Settl
             "Give what it was started with, or start anew without --resume.",
         )));
     }
-    simulation.set_extra(&checkpoint.extra);
+    simulation.remember(&checkpoint.remembered);
     simulation.movement = checkpoint.movement;
     Ok((checkpoint.description.settled, checkpoint.description.frames))
 }

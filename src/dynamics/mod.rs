@@ -11,8 +11,8 @@
 //!     what is in the body is put back              response.rs
 //! ```
 //!
-//! A frame depends on the positions, the velocities and the body alone: what contact remembers is forgotten at its
-//! start, so that a simulation that was stopped between two frames goes on with the same bytes.
+//! A frame depends on the positions, the velocities, the body, and the little that contact remembers of each particle
+//! (`Remembered`): all else is forgotten at its start, so that a simulation that was stopped between two frames goes on with the same bytes.
 //!
 //! Not promised: that layers which a body squeezes together do not cross. The body wins.
 
@@ -30,7 +30,7 @@ mod surface;
 
 pub use forces::Forces;
 pub use integrator::Movement;
-pub use response::Met;
+pub use response::{Met, Remembered};
 pub use rest::{Resting, come_to_rest};
 pub use settings::{BroadPhase, Integrator, Settings};
 pub use sewing::{Sewing, sew};
@@ -139,16 +139,16 @@ impl Simulation {
         self.response.take_over(surface, &self.movement.positions, &gradient);
     }
 
-    /// What particles keep beyond the clearance, m; with the movement all that a later frame depends on.
-    pub fn extra(&self) -> Vec<f64> {
-        self.response.extra()
+    /// What contact remembers: with the movement all that a later frame depends on.
+    pub fn remembered(&self) -> Remembered {
+        self.response.remembered()
     }
 
-    pub fn set_extra(&mut self, extra: &[f64]) {
-        self.response.set_extra(extra);
+    pub fn remember(&mut self, remembered: &Remembered) {
+        self.response.remember(remembered);
     }
 
-    /// Forgets all that is not a function of the movement.
+    /// Forgets all that is not a function of the movement and of what is remembered.
     pub fn look_afresh(&mut self) {
         self.forces.look_afresh(&self.movement.positions);
         self.response.look_afresh();

@@ -66,6 +66,8 @@ struct Track {
     close: bool,
     /// What the particle keeps beyond the clearance, m.
     extra: f64,
+    /// The triangle of the last place: the side of a narrow gap that the particle is on.
+    side: u32,
     /// The least velocity along the direction away from the skin that the last response left it, m/s.
     least: Option<(Vector3, f64)>,
 }
@@ -79,8 +81,21 @@ impl Track {
         slack: f64::NEG_INFINITY,
         close: false,
         extra: 0.0,
+        side: NOWHERE,
         least: None,
     };
+}
+
+/// No triangle.
+const NOWHERE: u32 = u32::MAX;
+
+/// What contact remembers from frame to frame, one of each per particle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Remembered {
+    /// What the particle keeps beyond the clearance, m.
+    pub extra: Vec<f64>,
+    /// The triangle of the body that it was last near to; any number that is none if it was near to none.
+    pub triangles: Vec<u32>,
 }
 
 /// Contact of particles with a moving surface.
@@ -132,18 +147,22 @@ impl Response {
         Self { tracks: vec![Track::UNKNOWN; particles], friction, restitution, clearance }
     }
 
-    /// Forgets all places: they are looked for again.
+    /// Forgets all places, but for the sides that particles are on: they are looked for again.
     pub fn look_afresh(&mut self) {
-        self.tracks.iter_mut().for_each(|track| *track = Track { extra: track.extra, ..Track::UNKNOWN });
+        for track in &mut self.tracks {
+            *track = Track { extra: track.extra, side: track.side, ..Track::UNKNOWN };
+        }
     }
 
-    /// What each particle keeps beyond the clearance, m.
-    pub fn extra(&self) -> Vec<f64> {
-        self.tracks.iter().map(|track| track.extra).collect()
+    pub fn remembered(&self) -> Remembered {
+        let of = |track: &Track| (track.extra, track.side);
+        let (extra, triangles) = self.tracks.iter().map(of).unzip();
+        Remembered { extra, triangles }
     }
 
-    pub fn set_extra(&mut self, extra: &[f64]) {
-        self.tracks.iter_mut().zip(extra).for_each(|(track, &extra)| track.extra = extra);
+    pub fn remember(&mut self, remembered: &Remembered) {
+        let each = remembered.extra.iter().zip(&remembered.triangles);
+        self.tracks.iter_mut().zip(each).for_each(|(track, (&extra, &side))| (track.extra, track.side) = (extra, side));
     }
 
     /// Takes over what the fit holds farther out than its clearance, as a sharp part of the body would come through
@@ -156,7 +175,7 @@ impl Response {
             (g.dot(&place.normal) > 0.0).then_some((place.distance - clearance).max(0.0))
         };
         let extra: Vec<f64> = positions.par_iter().zip(gradient).map(|at| extra(at).unwrap_or(0.0)).collect();
-        self.set_extra(&extra);
+        self.tracks.iter_mut().zip(extra).for_each(|(track, extra)| track.extra = extra);
     }
 
     /// Changes velocities, m/s, of particles at `positions`, m, so that after `step`, s, they are clear of the surface,
@@ -324,9 +343,9 @@ impl Track {
             None => {
                 self.age = 0;
                 match surface.nearest(position, REACH) {
-                    Some(place) => place,
+                    Some(place) => self.on_its_side(surface, position, place),
                     None => {
-                        (self.place, self.slack) = (None, REACH - NEAR);
+                        (self.place, self.slack, self.side) = (None, REACH - NEAR, NOWHERE);
                         return None;
                     }
                 }
@@ -334,8 +353,20 @@ impl Track {
         };
         (self.carried, self.slid) = (0, 0.0);
         self.place = (place.distance < NEAR).then_some(place);
+        self.side = self.place.map_or(NOWHERE, |place| place.triangle);
         self.slack = place.distance - clearance - self.extra - BAND;
         (self.slack < (velocity.norm() + surface.largest_speed()) * step).then_some(place)
+    }
+
+    /// The nearest place, unless the particle would be inside the body there and lies well on a skin that faces this one:
+    /// where a body passes through itself, as at an armpit, neither side lets go of what the other presses into it.
+    fn on_its_side(&self, surface: &Surface, position: Vector3, nearest: Place) -> Place {
+        if nearest.distance >= 0.0 || self.side as usize >= surface.triangles().len() {
+            return nearest;
+        }
+        let own = surface.refine(position, self.side);
+        let keeps = own.distance >= -CLOSE && own.distance < NEAR && own.normal.dot(&nearest.normal) < 0.0;
+        if keeps { own } else { nearest }
     }
 }
 

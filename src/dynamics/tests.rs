@@ -180,7 +180,7 @@ fn the_number_of_threads_and_a_pause_change_no_byte() {
     let mut first = start(still.clone());
     frames(&mut first, 0..3);
     let mut second = start(first.movement.clone());
-    second.set_extra(&first.extra());
+    second.remember(&first.remembered());
     frames(&mut second, 3..6);
     assert!(whole == second.movement, "a pause changed the result");
     let ball = Vector3::new(0.26, 0.89, 0.2);

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! 8 bytes   "TOILEP\r\n"
-//! u32       version            2
+//! u32       version            3
 //! u32       length             of the description, bytes
 //! bytes     description        JSON: what is simulated and how, and what the frames so far were like
 //! numbers   x y z              f64, of each particle: its position, m; then of each its velocity, m/s
 //! numbers   extra              f64, of each particle: what it keeps beyond the clearance, m
+//! triangles                    u32, of each particle: the triangle of the body that it was last near to
 //! u32       CRC-32             of everything before it
 //! ```
 //!
@@ -15,12 +16,12 @@
 
 use super::simulation_report::{FrameRecord, Settled};
 use crate::Error;
-use crate::dynamics::Movement;
+use crate::dynamics::{Movement, Remembered};
 use crate::geometry::Vector3;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"TOILEP\r\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER_BYTES: usize = 8 + 4 + 4;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -39,15 +40,14 @@ pub struct Description {
 pub struct Checkpoint {
     pub description: Description,
     pub movement: Movement,
-    /// What each particle keeps beyond the clearance, m.
-    pub extra: Vec<f64>,
+    pub remembered: Remembered,
 }
 
 /// The bytes of the file.
 pub fn write(checkpoint: &Checkpoint) -> Vec<u8> {
     let description = serde_json::to_vec(&checkpoint.description).expect("a description is plain data");
     let Movement { positions, velocities } = &checkpoint.movement;
-    let mut bytes = Vec::with_capacity(HEADER_BYTES + description.len() + 56 * positions.len() + CHECKSUM_BYTES);
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + description.len() + 60 * positions.len() + CHECKSUM_BYTES);
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
     bytes.extend((description.len() as u32).to_le_bytes());
@@ -55,7 +55,9 @@ pub fn write(checkpoint: &Checkpoint) -> Vec<u8> {
     for vector in positions.iter().chain(velocities) {
         vector.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
     }
-    checkpoint.extra.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    let Remembered { extra, triangles } = &checkpoint.remembered;
+    extra.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    triangles.iter().for_each(|t| bytes.extend(t.to_le_bytes()));
     bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
     bytes
 }
@@ -78,9 +80,10 @@ pub fn read(bytes: &[u8], particles: usize) -> Result<Checkpoint, Error> {
         return Err(damaged("The checksum of the checkpoint is wrong.".to_owned()));
     }
     let (length, rest) = (word(12) as usize, &content[HEADER_BYTES..]);
-    if rest.len() != length.saturating_add(56 * particles) {
+    if rest.len() != length.saturating_add(60 * particles) {
         return Err(damaged(format!("The checkpoint is not one of {particles} particles.")));
     }
+    let (rest, triangles) = rest.split_at(rest.len() - 4 * particles);
     let (description, numbers) = rest.split_at(length);
     let description = serde_json::from_slice(description)
         .map_err(|e| damaged(format!("The description of the checkpoint cannot be read ({e}).")))?;
@@ -92,7 +95,9 @@ pub fn read(bytes: &[u8], particles: usize) -> Result<Checkpoint, Error> {
     let (vectors, extra) = numbers.split_at(6 * particles);
     let vectors: Vec<Vector3> = vectors.chunks_exact(3).map(|v| Vector3::new(v[0], v[1], v[2])).collect();
     let (positions, velocities) = (vectors[..particles].to_vec(), vectors[particles..].to_vec());
-    Ok(Checkpoint { description, movement: Movement { positions, velocities }, extra: extra.to_vec() })
+    let triangles = triangles.chunks_exact(4).map(|t| u32::from_le_bytes(t.try_into().expect("four bytes")));
+    let remembered = Remembered { extra: extra.to_vec(), triangles: triangles.collect() };
+    Ok(Checkpoint { description, movement: Movement { positions, velocities }, remembered })
 }
 
 #[cfg(test)]
@@ -102,9 +107,13 @@ mod tests {
     fn sample() -> Checkpoint {
         let vector = |k: usize| Vector3::new(k as f64 / 3.0, -1e-300, 1.0);
         Checkpoint {
-            description: Description { of: "abc".to_owned(), settled: Settled::default(), frames: vec![FrameRecord::default(); 2] },
+            description: Description {
+                of: "abc".to_owned(),
+                settled: Settled::default(),
+                frames: vec![FrameRecord::default(); 2],
+            },
             movement: Movement { positions: (0..5).map(vector).collect(), velocities: (5..10).map(vector).collect() },
-            extra: vec![0.0, 1e-3, 0.0, 2e-4, 0.0],
+            remembered: Remembered { extra: vec![0.0, 1e-3, 0.0, 2e-4, 0.0], triangles: vec![0, 7, u32::MAX, 3, 9] },
         }
     }
 
