@@ -352,6 +352,10 @@ impl Track {
             }
         };
         (self.carried, self.slid) = (0, 0.0);
+        if self.extra > 0.0 && surface.faces_another_way(&place, self.side) {
+            // What it keeps was for another part of the body.
+            self.extra = 0.0;
+        }
         self.place = (place.distance < NEAR).then_some(place);
         self.side = self.place.map_or(NOWHERE, |place| place.triangle);
         self.slack = place.distance - clearance - self.extra - BAND;

@@ -49,6 +49,8 @@ pub struct Place {
 const ON_THE_SKIN: f64 = 1e-6;
 /// Places of two triangles are one, an edge or a corner that both share, if they are this near to each other, m.
 const SHARED: f64 = 1e-9;
+/// Cosine of the angle beyond which skin faces another way.
+const ANOTHER_WAY: f64 = 0.3;
 /// Triangles that a place is followed over in one step, at most: a particle moves by less than one.
 const LONGEST_WALK: usize = 16;
 
@@ -192,6 +194,12 @@ impl Surface {
     fn normal(&self, triangle: u32) -> Vector3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+    }
+
+    /// Does the skin at a place face another way than some triangle, which may be none? By more than a right angle less
+    /// what a sharp edge turns by.
+    pub fn faces_another_way(&self, place: &Place, triangle: u32) -> bool {
+        (triangle as usize) < self.triangles.len() && self.normal(triangle).dot(&place.normal) < ANOTHER_WAY
     }
 
     /// Of a point above the plane of the place's triangle, m.
