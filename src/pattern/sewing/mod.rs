@@ -14,7 +14,7 @@ pub use ease::{Ease, SeamEase, ease_of};
 pub use resolve::{Resolved, resolve};
 
 use super::{Pattern, Seam, SegmentId, Sense};
-use crate::Error;
+use crate::{Code, Error};
 use crate::geometry::Vector2;
 
 /// A seam as it is meant, before the outlines are cut to fit it.
@@ -146,7 +146,8 @@ pub fn check_overlaps(pattern: &Pattern, plans: &[SeamPlan]) -> Result<(), Error
             return Err(plans[second].complain(
                 format!("Edge {} of panel \"{panel}\" is sewn {twice}.", a.id.segment),
                 "Sew every edge once; where parts of it meet different edges, give each part with `from` and `to`.",
-            ));
+            )
+            .coded(Code::EdgeSewnTwice));
         }
     }
     Ok(())

@@ -1,0 +1,177 @@
+//! Is the garment smaller than the body somewhere?
+//!
+//! The sewn garment is cut at even distances along torso, legs and arms; closed rings around them are compared with the girth
+//! of a taut tape there. Cloth may come to lie a little higher or lower than it was placed: it is compared with the least
+//! girth near by. Rings that do not go around one limb alone (a skirt below the crotch) are not judged.
+
+use super::rings::{Ring, rings};
+use super::{Finding, Given, Sewn, listed};
+use crate::Code;
+use crate::body::{Landmarks, Limb};
+use crate::geometry::Vector3;
+use std::f64::consts::TAU;
+
+/// Distance of the rings, m.
+const SPACING: f64 = 0.02;
+/// How far cloth may slide along a limb to where it is thinner, m.
+const SLIDE: f64 = 0.03;
+/// Part of the strain that a fabric bears which is taken for granted. The rest is for movement.
+const TAKEN_FOR_GRANTED: f64 = 0.5;
+/// A height is called by a landmark that is so near, m.
+const NEAR: f64 = 0.05;
+
+/// Where a limb is cut.
+struct Station {
+    /// Value of the ring: a height, or a length along the limb, m.
+    at: f64,
+    center: Vector3,
+    axis: Vector3,
+    /// Of a taut tape, m.
+    girth: f64,
+}
+
+/// A limb with the places at which it is cut, in order.
+struct Zone {
+    name: &'static str,
+    /// Per particle.
+    values: Vec<f64>,
+    stations: Vec<Station>,
+    /// Rings that go around these as well are of a skirt.
+    apart_from: Vec<Limb>,
+}
+
+/// A ring that is too small.
+struct Shortfall {
+    station: usize,
+    ring: Ring,
+    girth: f64,
+}
+
+pub fn findings(given: &Given, sewn: &Sewn, marks: &Landmarks) -> Vec<Finding> {
+    let bears = 1.0 + TAKEN_FOR_GRANTED * given.fabric.stretch_limit;
+    let mut findings = Vec::new();
+    for zone in zones(sewn, marks) {
+        let mut worst: Option<Shortfall> = None;
+        let mut last = 0;
+        for (k, station) in zone.stations.iter().enumerate() {
+            let Some(ring) = ring_around(sewn, &zone, station) else { continue };
+            let near = zone.stations.iter().filter(|other| (other.at - station.at).abs() <= SLIDE);
+            let girth = near.map(|other| other.girth).fold(f64::INFINITY, f64::min);
+            if girth <= bears * ring.length {
+                continue;
+            }
+            // One finding for each stretch of the limb, at its tightest place.
+            if worst.is_some() && k > last + 2 {
+                findings.extend(worst.take().map(|worst| told(given, &zone, worst, marks)));
+            }
+            last = k;
+            if worst.as_ref().is_none_or(|worst| girth / ring.length > worst.girth / worst.ring.length) {
+                worst = Some(Shortfall { station: k, ring, girth });
+            }
+        }
+        findings.extend(worst.map(|worst| told(given, &zone, worst, marks)));
+    }
+    findings
+}
+
+fn told(given: &Given, zone: &Zone, worst: Shortfall, marks: &Landmarks) -> Finding {
+    let Shortfall { station, ring, girth } = worst;
+    let station = &zone.stations[station];
+    let height = station.center.y - marks.floor;
+    let short = girth - ring.length;
+    let share = girth / ring.length - 1.0;
+    let known = marks.heights().into_iter().filter(|(name, _)| zone.name == "torso" && *name != "neck");
+    let nearest = known
+        .map(|(name, y)| ((y - station.center.y).abs(), name))
+        .filter(|(distance, _)| *distance < NEAR)
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let name = nearest.map_or(zone.name, |(_, name)| name);
+    let panels = listed(ring.panels.iter().map(|&p| given.pattern.panels[p as usize].name.as_str()));
+    Finding::new(
+        Code::SmallerThanBody,
+        format!(
+            "Around the {name}, {height:.2} m above the floor, it measures {:.1} cm and the body {:.1} cm: {:.1} cm too little, {:.1} % ({panels}).",
+            100.0 * ring.length,
+            100.0 * girth,
+            100.0 * short,
+            100.0 * share
+        ),
+        format!(
+            "Take a larger size or let out its seams by {:.1} cm in all, or a fabric that stretches: {} bears {:.1} %.",
+            100.0 * short,
+            given.fabric.name,
+            100.0 * given.fabric.stretch_limit
+        ),
+    )
+    .within(name)
+    .measured("height_m", height)
+    .measured("garment_m", ring.length)
+    .measured("body_m", girth)
+    .measured("shortfall_m", short)
+}
+
+/// The smallest ring around a limb, and nothing else, at a place.
+fn ring_around(sewn: &Sewn, zone: &Zone, station: &Station) -> Option<Ring> {
+    let alone = |ring: &Ring| {
+        let around = |other: &Limb| level_of(other, station.center.y).is_some_and(|(p, _)| ring.encloses(p, station.axis));
+        ring.encloses(station.center, station.axis) && !zone.apart_from.iter().any(around)
+    };
+    let around = rings(sewn, &zone.values, station.at).into_iter().filter(alone);
+    around.min_by(|a, b| a.length.total_cmp(&b.length))
+}
+
+fn zones(sewn: &Sewn, marks: &Landmarks) -> Vec<Zone> {
+    let heights: Vec<f64> = sewn.positions.iter().map(|p| p.y).collect();
+    let upright = |limb: &Limb, low: f64, high: f64| -> Vec<Station> {
+        let count = ((high - low) / SPACING).max(0.0) as usize;
+        let station = |k: usize| {
+            let at = low + SPACING * k as f64;
+            let (center, girth) = level_of(limb, at)?;
+            Some(Station { at, center, axis: Vector3::y(), girth })
+        };
+        (0..=count).filter_map(station).collect()
+    };
+    let under_the_arms = marks.armpits[0].y.min(marks.armpits[1].y) - SPACING;
+    let mut zones = vec![Zone {
+        name: "torso",
+        values: heights.clone(),
+        stations: upright(&marks.torso, marks.crotch.y + SPACING, under_the_arms),
+        apart_from: Vec::new(),
+    }];
+    for (side, name) in ["left leg", "right leg"].into_iter().enumerate() {
+        zones.push(Zone {
+            name,
+            values: heights.clone(),
+            stations: upright(&marks.legs[side], marks.ankles[side].y, marks.crotch.y - 2.0 * SPACING),
+            apart_from: vec![marks.legs[1 - side].clone()],
+        });
+    }
+    for (side, name) in ["left arm", "right arm"].into_iter().enumerate() {
+        let arm = &marks.arms[side];
+        // Where the arm is free of the torso.
+        let from = arm.length_of(marks.armpits[side]) + 2.0 * SPACING;
+        let count = ((arm.length() - from) / SPACING).max(0.0) as usize;
+        let station = |k: usize| {
+            let at = from + SPACING * k as f64;
+            let (center, axis, radius) = arm.at(at);
+            Station { at, center, axis, girth: TAU * radius }
+        };
+        zones.push(Zone {
+            name,
+            values: sewn.positions.iter().map(|&p| arm.length_of(p)).collect(),
+            stations: (0..=count).map(station).collect(),
+            apart_from: vec![marks.torso.clone()],
+        });
+    }
+    zones
+}
+
+/// The middle of a limb at a height, and its girth there, m; none beyond its ends.
+pub fn level_of(limb: &Limb, height: f64) -> Option<(Vector3, f64)> {
+    let step = limb.axis.windows(2).position(|w| (w[0].y - height) * (w[1].y - height) <= 0.0)?;
+    let [from, to] = [limb.axis[step], limb.axis[step + 1]];
+    let rise = to.y - from.y;
+    let share = if rise == 0.0 { 0.0 } else { (height - from.y) / rise };
+    let radius = limb.radii[step] + share * (limb.radii[step + 1] - limb.radii[step]);
+    Some((from.lerp(&to, share), TAU * radius))
+}
