@@ -5,6 +5,7 @@ use crate::Code;
 use crate::geometry::Vector2;
 use crate::pattern::sewing::Measured;
 use crate::pattern::{Panel, Pattern};
+use std::collections::BTreeMap;
 
 /// The longest panel of a garment, m: from a baby's bib to a train.
 const LONGEST_PANEL: std::ops::RangeInclusive<f64> = 0.1..=4.0;
@@ -37,53 +38,86 @@ fn extent(panel: &Panel) -> f64 {
     (high - low).max()
 }
 
-/// Edges that the finest level gives one short step, panel by panel.
-pub fn short(given: &Given, measured: &Measured) -> Vec<Finding> {
-    let Some(&resolution) = given.resolutions.last() else { return Vec::new() };
-    let of_panel = |(panel, lengths): (&Panel, &Vec<f64>)| {
-        let short: Vec<(usize, f64)> = (0..).zip(lengths.iter().copied()).filter(|(_, l)| *l < resolution).collect();
-        let shortest = short.iter().map(|(_, length)| *length).reduce(f64::min)?;
-        let edges: Vec<String> = short.iter().map(|(k, length)| format!("{k} ({:.1} mm)", 1e3 * length)).collect();
-        let (noun, verb) = if short.len() == 1 { ("Edge", "is") } else { ("Edges", "are") };
-        let finding = Finding::new(
-            Code::EdgeShort,
-            format!("{noun} {} {verb} shorter than the finest resolution, {:.1} mm.", edges.join(", "), 1e3 * resolution),
-            "Fit at a finer resolution if the detail matters, or draw the edge and its neighbour as one if it is a slip.",
-        );
-        let place = format!("panel \"{}\"", panel.name);
-        Some(finding.within(place).measured("shortest_edge_m", shortest).measured("resolution_m", resolution))
-    };
-    given.pattern.panels.iter().zip(&measured.length).filter_map(of_panel).collect()
+/// Edges that the finest level gives one short step: the shortest is named first.
+pub fn short(given: &Given, measured: &Measured) -> Option<Finding> {
+    const MOST_LISTED: usize = 6;
+    let &resolution = given.resolutions.last()?;
+    let panels = given.pattern.panels.iter().zip(&measured.length);
+    let edges = panels.flat_map(|(panel, lengths)| lengths.iter().enumerate().map(move |(k, &length)| (panel, k, length)));
+    let mut short: Vec<(&Panel, usize, f64)> = edges.filter(|(_, _, length)| *length < resolution).collect();
+    short.sort_by(|a, b| a.2.total_cmp(&b.2));
+    let &(panel, edge, shortest) = short.first()?;
+    let named = |(panel, k, length): &(&Panel, usize, f64)| format!("{}:{k} ({:.1} mm)", panel.name, 1e3 * length);
+    let others: Vec<String> = short.iter().skip(1).take(MOST_LISTED).map(named).collect();
+    let more = short.len().saturating_sub(1 + MOST_LISTED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let others =
+        if others.is_empty() { String::new() } else { format!(" So are {}{more}.", others.join(", ")) };
+    let finding = Finding::new(
+        Code::EdgeShort,
+        format!(
+            "With {:.1} mm it is shorter than the finest resolution, {:.1} mm.{others}",
+            1e3 * shortest,
+            1e3 * resolution
+        ),
+        "Fit at a finer resolution if the detail matters, or draw the edge and its neighbour as one if it is a slip.",
+    );
+    let finding = finding.within(format!("edge {edge}")).within(format!("panel \"{}\"", panel.name));
+    Some(finding.measured("shortest_edge_m", shortest).measured("resolution_m", resolution))
 }
 
-/// Seams whose sides differ in length by more than can be eased, and nobody said that it is meant.
+/// Seams between the same two panels that are all unequal, and nobody said that it is meant.
+#[derive(Default)]
+struct Unequal {
+    seams: Vec<usize>,
+    longer: f64,
+    shorter: f64,
+}
+
+/// Seams whose sides differ in length by more than can be eased.
 pub fn unequal(given: &Given, measured: &Measured) -> Vec<Finding> {
-    let pattern = given.pattern;
-    let of_seam = |(index, seam): (usize, &crate::pattern::Seam)| {
-        let lengths = seam.sides.map(|side| measured.length_of(side));
-        let (longer, shorter) = (lengths[0].max(lengths[1]), lengths[0].min(lengths[1]));
-        let share = longer / shorter - 1.0;
-        if share <= MOST_EASE || given.eased.get(index).copied().unwrap_or(false) {
-            return None;
+    let mut between: BTreeMap<[usize; 2], Unequal> = BTreeMap::new();
+    for (index, seam) in given.pattern.seams.iter().enumerate() {
+        let [a, b] = seam.sides.map(|side| measured.length_of(side));
+        if a.max(b) / a.min(b) - 1.0 <= MOST_EASE || given.eased.get(index).copied().unwrap_or(false) {
+            continue;
         }
-        let remedy = if share > GATHERED {
-            "If it is to be gathered, all is well: state `ease` with the seam and nothing is said. If not, it sews the wrong edges."
-        } else {
-            "Look whether it sews the right edges; correct the longer one, or state `ease` with the seam if it is meant."
-        };
-        let finding = Finding::new(
-            Code::SeamUnequal,
-            format!(
-                "{:.1} cm are sewn to {:.1} cm: {:.1} mm too much, {:.0} % of the shorter side.",
-                100.0 * longer,
-                100.0 * shorter,
-                1e3 * (longer - shorter),
-                100.0 * share
-            ),
-            remedy,
-        );
-        let finding = finding.within(format!("seam \"{}\"", pattern.seam_name(seam)));
-        Some(finding.measured("ease_m", longer - shorter).measured("ease_share", share))
+        // The panel with the longer side first.
+        let [p, q] = seam.sides.map(|side| side.panel);
+        let found = between.entry(if a > b { [p, q] } else { [q, p] }).or_default();
+        found.seams.push(index);
+        found.longer += a.max(b);
+        found.shorter += a.min(b);
+    }
+    let mut found: Vec<Unequal> = between.into_values().collect();
+    found.sort_by_key(|unequal| unequal.seams[0]);
+    found.iter().map(|unequal| told_unequal(given.pattern, unequal)).collect()
+}
+
+fn told_unequal(pattern: &Pattern, Unequal { seams, longer, shorter }: &Unequal) -> Finding {
+    let share = longer / shorter - 1.0;
+    let remedy = if share > GATHERED {
+        "If it is to be gathered, all is well: state `ease` with the seam and nothing is said. If not, it sews the wrong edges."
+    } else {
+        "Look whether it sews the right edges; correct the longer one, or state `ease` with the seam if it is meant."
     };
-    pattern.seams.iter().enumerate().filter_map(of_seam).collect()
+    let too_much = 1e3 * (longer - shorter);
+    let sizes = format!(
+        "{:.1} cm are sewn to {:.1} cm: {too_much:.1} mm too much, {:.0} % of the shorter side",
+        100.0 * longer,
+        100.0 * shorter,
+        100.0 * share
+    );
+    let problem = match seams.len() {
+        1 => format!("{sizes}."),
+        count => format!("{sizes}, here and in {} between the same panels together.", others(count - 1)),
+    };
+    Finding::new(Code::SeamUnequal, problem, remedy)
+        .within(format!("seam \"{}\"", pattern.seam_name(&pattern.seams[seams[0]])))
+        .measured("ease_m", longer - shorter)
+        .measured("ease_share", share)
+}
+
+fn others(count: usize) -> String {
+    if count == 1 { "the other seam".to_owned() } else { format!("{count} other seams") }
 }

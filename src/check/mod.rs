@@ -10,6 +10,7 @@
 mod assembly;
 mod cloth;
 mod edges;
+mod hanging;
 mod holding;
 mod limbs;
 mod mirror;
@@ -139,14 +140,15 @@ fn around_the_body(given: &Given) -> Vec<Finding> {
     let (Some(garment), Some(body), Some(marks)) = (given.garment, given.body, given.landmarks) else {
         return Vec::new();
     };
-    let sewn = Sewn::new(given.pattern, garment);
+    let sewn = Sewn::new(given.pattern, garment, marks);
     let mut findings = tight::findings(given, &sewn, marks);
     findings.extend(holding::nothing(given.pattern, &sewn, marks));
     findings.extend(limbs::near(given, &sewn, body, marks));
     findings
 }
 
-/// The coarsest level with its seams closed, where the panels were placed: partners meet half-way.
+/// The coarsest level with its seams closed: the panels where they were placed, but for gaps between those above and those
+/// below, which seams close; partners meet half-way.
 struct Sewn<'a> {
     garment: &'a Garment,
     /// Of the first level, one per particle, m, world.
@@ -156,8 +158,12 @@ struct Sewn<'a> {
 }
 
 impl<'a> Sewn<'a> {
-    fn new(pattern: &Pattern, garment: &'a Garment) -> Self {
-        let positions = garment.weld(&crate::arrangement::placed(pattern, &garment.open));
+    fn new(pattern: &Pattern, garment: &'a Garment, marks: &Landmarks) -> Self {
+        let mut placed = crate::arrangement::placed(pattern, &garment.open);
+        for (range, rise) in garment.open.panels.iter().zip(hanging::rises(pattern, garment, &placed, marks)) {
+            placed[range.points.clone()].iter_mut().for_each(|point| point.y += rise);
+        }
+        let positions = garment.weld(&placed);
         Self { garment, positions, panel_of: garment.levels[0].panel_of_triangle() }
     }
 }

@@ -15,6 +15,8 @@ const SAMPLES: usize = 9;
 const TWISTED: f64 = 1.0 / 6.0;
 /// Sides of seams that could be exchanged differ in length by no more than this share.
 const ALIKE: f64 = 0.06;
+/// Shorter sides than this may lie at any angle, m: the corners of an armhole.
+const LEAST_LENGTH: f64 = 0.05;
 /// What two seams must gain on average when they exchange partners, m: a hand's breadth.
 const EXCHANGED: f64 = 0.1;
 
@@ -41,7 +43,8 @@ pub fn twisted(pattern: &Pattern, measured: &Measured) -> Vec<Finding> {
         let other = if seam.sense == Sense::Opposed { Sense::Aligned } else { Sense::Opposed };
         let gain = spread(&a, &b, seam.sense) - spread(&a, &b, other);
         let [first, second] = seam.sides.map(|side| measured.length_of(side));
-        (seam.sides[0].panel != seam.sides[1].panel && gain > TWISTED * first * second).then(|| {
+        let is_long = first.min(second) > LEAST_LENGTH && seam.sides[0].panel != seam.sides[1].panel;
+        (is_long && gain > TWISTED * first * second).then(|| {
             Finding::new(
                 Code::SeamTwisted,
                 "It looks twisted: as the panels are placed, its ends lie nearer to each other the other way around.",

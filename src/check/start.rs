@@ -5,8 +5,9 @@ use crate::Code;
 use crate::arrangement::{Care, arrange, check_placement, placed};
 use crate::geometry::Vector3;
 
-/// Panels that have to be moved farther than this to clear the body are mentioned, m.
-const FAR_MOVE: f64 = 0.03;
+/// Panels that have to be moved farther than this to clear the body are mentioned, m: those of patterns on the body that they
+/// were drawn for are moved by up to 6 cm.
+const FAR_MOVE: f64 = 0.08;
 
 pub fn findings(given: &Given) -> Vec<Finding> {
     let pattern = given.pattern;

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::body::mannequin;
-use crate::geometry::Vector2;
 use crate::pattern::shapes::{polygon, rectangle, tube, two_rectangles};
 use crate::pattern::{Panel, Placement, Seam, SegmentId, Sense};
 use nalgebra::Rotation3;
@@ -218,7 +217,7 @@ fn arms_that_touch_the_torso_are_found() {
     let fabric = Fabric::default();
     let near = |clearance: f64| {
         let given = Given { clearance, garment: Some(&garment), ..given(&pattern, &fabric) };
-        limbs::near(&given, &Sewn::new(&pattern, &garment), &body, &marks)
+        limbs::near(&given, &Sewn::new(&pattern, &garment, &marks), &body, &marks)
     };
     assert_eq!(near(1e-3), [], "the arms of the figure are free");
     let found = near(0.2);

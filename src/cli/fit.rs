@@ -8,7 +8,6 @@ use super::stopwatch::Stopwatch;
 use super::{Failure, Status, complaint, results};
 use crate::assess::{Tight, hand_off};
 use crate::check::{Finding, Given, examine, in_order};
-use crate::garment::Garment;
 use crate::io::process;
 use crate::io::report::{Host, Solve};
 use crate::minimize::Termination;
@@ -145,13 +144,10 @@ fn findings(
     settings: &Settings,
     fabric: &Fabric,
 ) -> Vec<Finding> {
-    let coarsest = &settings.resolutions[..settings.resolutions.len().min(1)];
-    // What cannot be discretized is an error of the fit itself.
-    let garment = Garment::build(&pattern.pattern, coarsest).ok();
     let mut findings = examine(&Given {
         pattern: &pattern.pattern,
         resolutions: &settings.resolutions,
-        garment: garment.as_ref(),
+        garment: None,
         eased: &pattern.eased,
         fabric,
         clearance: settings.clearance,
