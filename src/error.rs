@@ -114,10 +114,10 @@ mod tests {
         let both = Error::all([edge(1).coded(Code::OutlineOpen), edge(2)]).unwrap().within("panel \"a\"");
         let each = both.coded(Code::PatternUnreadable).within("a.json").each();
         assert_eq!(each[1].to_string(), "a.json, panel \"a\": Edge 2 is bad.");
-        assert_eq!(each.iter().map(|e| e.code()).collect::<Vec<_>>(), [
-            Some(Code::OutlineOpen),
-            Some(Code::PatternUnreadable)
-        ]);
+        assert_eq!(
+            each.iter().map(|e| e.code()).collect::<Vec<_>>(),
+            [Some(Code::OutlineOpen), Some(Code::PatternUnreadable)]
+        );
         assert_eq!(Error::all([]), None);
     }
 }

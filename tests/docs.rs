@@ -51,7 +51,10 @@ fn every_code_has_a_page_and_every_page_a_code() {
         for heading in ["## How it looks", "## What to do"] {
             assert!(page.contains(heading), "{code} lacks {heading}");
         }
-        assert!(page.split("## How it looks").nth(1).unwrap().contains(code.id()), "the example of {code} is of another");
+        assert!(
+            page.split("## How it looks").nth(1).unwrap().contains(code.id()),
+            "the example of {code} is of another"
+        );
         let row = format!("| [{code}](checks/{code}.md) | {severity} | {} |", code.title());
         assert_eq!(listed.next(), Some(row.as_str()));
     }

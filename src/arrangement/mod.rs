@@ -12,11 +12,11 @@ mod motion;
 mod openings;
 pub mod placing;
 
-use crate::{Code, Error};
 use crate::body::{Body, DistanceField};
 use crate::garment::{Level, PanelRange};
 use crate::geometry::{BoxTree, EdgeTable, UnionFind, Vector3, triangle_distance};
 use crate::pattern::Pattern;
+use crate::{Code, Error};
 use motion::Motion;
 use nalgebra::Rotation3;
 use openings::{Arc, Core, arcs};

@@ -31,7 +31,10 @@ fn unsewn(pattern: &Pattern) -> Option<Finding> {
     (pattern.panels.len() > 1).then(|| {
         Finding::new(
             Code::NoSeams,
-            format!("The {} panels have no seams: drawings such as DXF and FreeSewing hold none.", pattern.panels.len()),
+            format!(
+                "The {} panels have no seams: drawings such as DXF and FreeSewing hold none.",
+                pattern.panels.len()
+            ),
             "Have seams proposed with `toile seams suggest`, look them over, and give the file with --seams.",
         )
     })
@@ -55,7 +58,8 @@ fn apart(pattern: &Pattern, pieces: &[Vec<usize>]) -> Vec<Finding> {
             1 => "It is sewn to no other panel.".to_owned(),
             _ => format!("It hangs together with {names} alone, not with the rest of the garment."),
         };
-        let remedy = "Add the missing seam, or fit the pieces as patterns of their own: nothing else keeps them together.";
+        let remedy =
+            "Add the missing seam, or fit the pieces as patterns of their own: nothing else keeps them together.";
         Finding::new(Code::PieceApart, problem, remedy).within(format!("panel \"{}\"", pattern.panels[piece[0]].name))
     };
     pieces[1..].iter().map(finding).collect()
@@ -137,7 +141,8 @@ fn handles(pattern: &Pattern, piece: &[usize]) -> usize {
     let mut corners = Corners::new(pattern);
     let sewn: BTreeSet<SegmentId> = seams_of(pattern, piece).flat_map(|seam| seam.sides).collect();
     let all = || {
-        let of = |&panel: &usize| (0..pattern.panels[panel].segments.len()).map(move |segment| SegmentId { panel, segment });
+        let of =
+            |&panel: &usize| (0..pattern.panels[panel].segments.len()).map(move |segment| SegmentId { panel, segment });
         piece.iter().flat_map(of)
     };
     let mut vertices = BTreeSet::new();

@@ -43,7 +43,8 @@ pub fn short(given: &Given, measured: &Measured) -> Option<Finding> {
     const MOST_LISTED: usize = 6;
     let &resolution = given.resolutions.last()?;
     let panels = given.pattern.panels.iter().zip(&measured.length);
-    let edges = panels.flat_map(|(panel, lengths)| lengths.iter().enumerate().map(move |(k, &length)| (panel, k, length)));
+    let edges =
+        panels.flat_map(|(panel, lengths)| lengths.iter().enumerate().map(move |(k, &length)| (panel, k, length)));
     let mut short: Vec<(&Panel, usize, f64)> = edges.filter(|(_, _, length)| *length < resolution).collect();
     short.sort_by(|a, b| a.2.total_cmp(&b.2));
     let &(panel, edge, shortest) = short.first()?;
@@ -51,8 +52,7 @@ pub fn short(given: &Given, measured: &Measured) -> Option<Finding> {
     let others: Vec<String> = short.iter().skip(1).take(MOST_LISTED).map(named).collect();
     let more = short.len().saturating_sub(1 + MOST_LISTED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let others =
-        if others.is_empty() { String::new() } else { format!(" So are {}{more}.", others.join(", ")) };
+    let others = if others.is_empty() { String::new() } else { format!(" So are {}{more}.", others.join(", ")) };
     let finding = Finding::new(
         Code::EdgeShort,
         format!(

@@ -49,7 +49,11 @@ pub fn nothing(pattern: &Pattern, sewn: &Sewn, marks: &Landmarks) -> Option<Find
     };
     let remedy = "Sew the shoulders, close the waist, or make it narrower; of a GarmentCode pattern label the edges that are held at the waist `lower_interface`.";
     let finding = Finding::new(Code::NothingHolds, problem, remedy);
-    Some(if least.is_finite() { finding.measured("smallest_ring_m", least).measured("hips_m", widest) } else { finding })
+    Some(if least.is_finite() {
+        finding.measured("smallest_ring_m", least).measured("hips_m", widest)
+    } else {
+        finding
+    })
 }
 
 /// Is some of the garment above the crotch, and on both sides of the middle?

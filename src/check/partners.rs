@@ -81,7 +81,8 @@ pub fn exchanged(pattern: &Pattern, measured: &Measured) -> Vec<Finding> {
                     ),
                     "Look whether left is sewn to left and front to back (`toile seams show`), and exchange the partners.",
                 );
-                findings.push(finding.within(format!("seam \"{}\"", pattern.seam_name(first))).measured("gain_m", gain));
+                findings
+                    .push(finding.within(format!("seam \"{}\"", pattern.seam_name(first))).measured("gain_m", gain));
             }
         }
     }

@@ -69,11 +69,7 @@ pub fn rings(sewn: &Sewn, values: &[f64], at: f64) -> Vec<Ring> {
         let step = steps.len() as u32;
         crossings.push(Crossing { edge, step });
         crossings.push(Crossing { edge: other_edge, step });
-        steps.push(Step {
-            ends: [point, other_point],
-            length: (other_flat - flat).norm(),
-            panel: sewn.panel_of[t],
-        });
+        steps.push(Step { ends: [point, other_point], length: (other_flat - flat).norm(), panel: sewn.panel_of[t] });
     }
     crossings.sort_unstable_by_key(|c| (c.edge, c.step));
     closed(&crossings, steps)

@@ -58,7 +58,11 @@ fn moved(shift: Vector3) -> Finding {
         let word = words[usize::from(by < 0.0)];
         (by.abs() >= 5e-3).then(|| format!("{:.0} mm {word}", 1e3 * by.abs()))
     };
-    let ways = [way(shift.x, ["to its left", "to its right"]), way(shift.y, ["up", "down"]), way(shift.z, ["forward", "backward"])];
+    let ways = [
+        way(shift.x, ["to its left", "to its right"]),
+        way(shift.y, ["up", "down"]),
+        way(shift.z, ["forward", "backward"]),
+    ];
     let ways: Vec<String> = ways.into_iter().flatten().collect();
     Finding::new(
         Code::MovedFar,

@@ -74,7 +74,10 @@ fn pieces_and_surfaces_are_found() {
     assert_eq!(codes(&twisted), [Code::OneSided]);
     // Opposite sides of a square joined both ways make a tyre with a hole: a handle.
     let tyre = Pattern {
-        panels: vec![polygon("square", &[[0.1, 0.0], [0.3, 0.0], [0.4, 0.1], [0.4, 0.3], [0.3, 0.4], [0.1, 0.4], [0.0, 0.3], [0.0, 0.1]])],
+        panels: vec![polygon(
+            "square",
+            &[[0.1, 0.0], [0.3, 0.0], [0.4, 0.1], [0.4, 0.3], [0.3, 0.4], [0.1, 0.4], [0.0, 0.3], [0.0, 0.1]],
+        )],
         seams: vec![seam([0, 0], [0, 4], Sense::Opposed), seam([0, 2], [0, 6], Sense::Opposed)],
         ..tube(0.5, 0.3)
     };
@@ -93,10 +96,7 @@ fn a_seam_that_was_forgotten_on_one_side_is_found() {
     let (a, b) = (side(&panels[0], 0.5), side(&panels[1], 0.5));
     let slope = 0.4f64.hypot(0.05);
     let mut pattern = Pattern {
-        seams: vec![
-            seam([0, a], [1, b], Sense::Opposed),
-            seam([0, side(&panels[0], slope)], [2, 1], Sense::Opposed),
-        ],
+        seams: vec![seam([0, a], [1, b], Sense::Opposed), seam([0, side(&panels[0], slope)], [2, 1], Sense::Opposed)],
         panels,
         name: "shirt".to_owned(),
     };
@@ -175,11 +175,11 @@ fn what_is_too_small_or_slides_down_is_found() {
     let low = marks.hip - 0.1;
     let wide = of(&tube_around(girth("hip") + 0.06, low, marks.waist + 0.02));
     assert_eq!(wide.iter().map(|f| f.code).collect::<Vec<_>>(), [Code::NothingHolds], "{wide:?}");
-    let narrow = of(&tube_around(girth("hip") - 0.1, low, marks.waist + 0.02));
+    let narrow = of(&tube_around(girth("waist") - 0.1, low, marks.waist + 0.02));
     assert_eq!(narrow.iter().map(|f| f.code).collect::<Vec<_>>(), [Code::SmallerThanBody], "{narrow:?}");
-    let shortfall = narrow[0].measures.iter().find(|(name, _)| *name == "shortfall_m").unwrap().1;
-    assert!((shortfall - 0.1).abs() < 0.02, "{}", narrow[0]);
-    assert!(narrow[0].error.place().contains("hip"), "{}", narrow[0]);
+    let figure = |wanted: &str| narrow[0].measures.iter().find(|(name, _)| *name == wanted).unwrap().1;
+    assert!((figure("garment_m") - girth("waist") + 0.1).abs() < 0.01, "{}", narrow[0]);
+    assert!((0.09..0.4).contains(&figure("shortfall_m")), "{}", narrow[0]);
     // As wide as the waist and a little more, above the hips: it fits, and stays.
     let band = of(&tube_around(girth("waist") + 0.02, marks.waist - 0.03, marks.waist + 0.03));
     assert_eq!(band, []);
@@ -203,8 +203,7 @@ fn the_start_is_tried_where_it_is_asked_for() {
     let garment = Garment::build(&pattern, &[0.02]).unwrap();
     let field = DistanceField::new(&body, 0.012, crate::arrangement::SIGHT_MARGIN);
     let fabric = Fabric::default();
-    let given =
-        Given { garment: Some(&garment), body: Some(&body), field: Some(&field), ..given(&pattern, &fabric) };
+    let given = Given { garment: Some(&garment), body: Some(&body), field: Some(&field), ..given(&pattern, &fabric) };
     let found: Vec<Code> = examine(&given).iter().map(|f| f.code).collect();
     assert!(found.contains(&Code::StartsInside) && found.contains(&Code::MovedFar), "{found:?}");
 }

@@ -13,8 +13,9 @@ use std::f64::consts::TAU;
 
 /// Distance of the rings, m.
 const SPACING: f64 = 0.02;
-/// How far cloth may slide along a limb to where it is thinner, m; patterns are placed some centimetres too low or too high.
-const SLIDE: f64 = 0.05;
+/// How far the garment may come to lie below and above where it was placed, in spacings: patterns are placed too low rather than
+/// too high, and what is tight rides up.
+const SLIDES: std::ops::RangeInclusive<isize> = -2..=5;
 /// Part of the strain that a fabric bears which is taken for granted. The rest is for movement.
 const TAKEN_FOR_GRANTED: f64 = 0.5;
 /// A height is called by a landmark that is so near, m.
@@ -30,7 +31,7 @@ struct Station {
     girth: f64,
 }
 
-/// A limb with the places at which it is cut, in order.
+/// A limb with the places at which it is cut, upwards.
 struct Zone {
     name: &'static str,
     /// Per particle.
@@ -40,47 +41,52 @@ struct Zone {
     apart_from: Vec<Limb>,
 }
 
-/// A ring that is too small.
-struct Shortfall {
-    station: usize,
-    ring: Ring,
-    girth: f64,
+/// A ring, and where it comes to lie.
+struct Fitted<'a> {
+    ring: &'a Ring,
+    station: &'a Station,
+}
+
+impl Fitted<'_> {
+    /// How many times as long as the ring the tape is.
+    fn ratio(&self) -> f64 {
+        self.station.girth / self.ring.length
+    }
 }
 
 pub fn findings(given: &Given, sewn: &Sewn, marks: &Landmarks) -> Vec<Finding> {
     let bears = 1.0 + TAKEN_FOR_GRANTED * given.fabric.stretch_limit;
     let mut findings = Vec::new();
     for zone in zones(sewn, marks) {
-        let mut worst: Option<Shortfall> = None;
-        let mut last = 0;
-        for (k, station) in zone.stations.iter().enumerate() {
-            let Some(ring) = ring_around(sewn, &zone, station) else { continue };
-            let near = zone.stations.iter().filter(|other| (other.at - station.at).abs() <= SLIDE);
-            let girth = near.map(|other| other.girth).fold(f64::INFINITY, f64::min);
-            if girth <= bears * ring.length {
-                continue;
-            }
-            // One finding for each stretch of the limb, at its tightest place.
-            if worst.is_some() && k > last + 2 {
-                findings.extend(worst.take().map(|worst| told(given, &zone, worst, marks)));
-            }
-            last = k;
-            if worst.as_ref().is_none_or(|worst| girth / ring.length > worst.girth / worst.ring.length) {
-                worst = Some(Shortfall { station: k, ring, girth });
-            }
+        let around: Vec<Option<Ring>> = zone.stations.iter().map(|station| ring_around(sewn, &zone, station)).collect();
+        let fitted = |slide: isize| -> Vec<(usize, Fitted)> {
+            let rings = around.iter().enumerate().filter_map(|(k, ring)| Some((k, ring.as_ref()?)));
+            let last = zone.stations.len() as isize - 1;
+            let at = |k: usize| &zone.stations[(k as isize + slide).clamp(0, last) as usize];
+            rings.map(|(k, ring)| (k, Fitted { ring, station: at(k) })).collect()
+        };
+        let worst = |slide: isize| fitted(slide).iter().map(|(_, fitted)| fitted.ratio()).fold(0.0, f64::max);
+        // Of equal ones the least slide.
+        let slides = SLIDES.map(|slide| (worst(slide).max(bears), slide.abs(), slide));
+        let best = slides.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let too_small = fitted(best.map_or(0, |best| best.2)).into_iter().filter(|(_, fitted)| fitted.ratio() > bears);
+        // One finding for each stretch of the limb, at its tightest place.
+        let too_small: Vec<(usize, Fitted)> = too_small.collect();
+        for stretch in too_small.chunk_by(|a, b| b.0 <= a.0 + 2) {
+            let tightest = stretch.iter().max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()));
+            findings.extend(tightest.map(|(_, tightest)| told(given, &zone, tightest, marks)));
         }
-        findings.extend(worst.map(|worst| told(given, &zone, worst, marks)));
     }
     findings
 }
 
-fn told(given: &Given, zone: &Zone, worst: Shortfall, marks: &Landmarks) -> Finding {
-    let Shortfall { station, ring, girth } = worst;
-    let station = &zone.stations[station];
+fn told(given: &Given, zone: &Zone, Fitted { ring, station }: &Fitted, marks: &Landmarks) -> Finding {
+    let girth = station.girth;
     let height = station.center.y - marks.floor;
     let short = girth - ring.length;
     let share = girth / ring.length - 1.0;
-    let known = marks.heights().into_iter().filter(|(name, _)| zone.name == "torso" && !["neck", "crotch"].contains(name));
+    let known =
+        marks.heights().into_iter().filter(|(name, _)| zone.name == "torso" && !["neck", "crotch"].contains(name));
     let nearest = known
         .map(|(name, y)| ((y - station.center.y).abs(), name))
         .filter(|(distance, _)| *distance < NEAR)
@@ -113,7 +119,8 @@ fn told(given: &Given, zone: &Zone, worst: Shortfall, marks: &Landmarks) -> Find
 /// The smallest ring around a limb, and nothing else, at a place.
 fn ring_around(sewn: &Sewn, zone: &Zone, station: &Station) -> Option<Ring> {
     let alone = |ring: &Ring| {
-        let around = |other: &Limb| level_of(other, station.center.y).is_some_and(|(p, _)| ring.encloses(p, station.axis));
+        let around =
+            |other: &Limb| level_of(other, station.center.y).is_some_and(|(p, _)| ring.encloses(p, station.axis));
         ring.encloses(station.center, station.axis) && !zone.apart_from.iter().any(around)
     };
     let around = rings(sewn, &zone.values, station.at).into_iter().filter(alone);
@@ -159,7 +166,7 @@ fn zones(sewn: &Sewn, marks: &Landmarks) -> Vec<Zone> {
         zones.push(Zone {
             name,
             values: sewn.positions.iter().map(|&p| arm.length_of(p)).collect(),
-            stations: (0..=count).map(station).collect(),
+            stations: (0..=count).rev().map(station).collect(),
             apart_from: vec![marks.torso.clone()],
         });
     }

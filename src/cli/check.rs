@@ -158,7 +158,8 @@ impl Looked {
         let (doubts, wrong): (Vec<&Finding>, Vec<&Finding>) =
             self.findings.iter().partition(|finding| finding.severity == Severity::Warning);
         let things = |count: usize| if count == 1 { "1 thing".to_owned() } else { format!("{count} things") };
-        let wrong = if wrong.is_empty() { "nothing wrong".to_owned() } else { format!("{} wrong", things(wrong.len())) };
+        let wrong =
+            if wrong.is_empty() { "nothing wrong".to_owned() } else { format!("{} wrong", things(wrong.len())) };
         let _ = match doubts.len() {
             0 => writeln!(text, "{wrong}, nothing doubtful"),
             count => writeln!(text, "{wrong}, {} to know:", things(count)),

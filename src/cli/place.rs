@@ -3,13 +3,13 @@
 use super::arguments::{Place, PlaceBy, Placing};
 use super::inputs::{BodyInput, PatternInput};
 use super::{Failure, Status, complaint};
-use crate::{Code, Error};
 use crate::arrangement::placed;
 use crate::arrangement::placing::{Override, Report, place};
 use crate::body::Landmarks;
 use crate::garment::Garment;
 use crate::io::picture::{BodyView, GarmentView, preview};
 use crate::io::{arrangement_toml, atomic, read};
+use crate::{Code, Error};
 use std::path::Path;
 
 /// Resolution of the panels in the picture, m.

@@ -11,9 +11,9 @@ pub use correspondence::{Correspondence, Location};
 pub use level::{Eased, Hinge, Level, PanelRange};
 pub use together::patterns_together;
 
-use crate::{Code, Error};
 use crate::geometry::{UnionFind, Vector2, Vector3};
 use crate::pattern::{Pattern, Sense};
+use crate::{Code, Error};
 use level::{RimEdge, panel_edges};
 use order::morton_order;
 use outline::{Outline, Outlines};

@@ -5,9 +5,9 @@
 //! coarser one keeps some of its samples: corners are kept always, and whatever is a particle on a
 //! level is one on all finer levels.
 
-use crate::{Code, Error};
 use crate::geometry::{Vector2, polygon_crossing};
 use crate::pattern::{Pattern, SegmentId, Sense};
+use crate::{Code, Error};
 
 /// The samples of one segment or of the two sides of one seam.
 struct Line {

@@ -98,10 +98,19 @@ mod tests {
         let finding = Finding::of_error(error, Code::OutlineOpen).remove(0);
         let part = finding_part(&finding, &["x y.json".to_owned()]);
         let place = &part.place;
-        assert_eq!((place.file.as_deref(), place.panel.as_deref(), place.edge), (Some("x y.json"), Some("a b"), Some(3)));
-        assert_eq!((part.code, part.severity, part.page.as_str()), ("TOILE-P007", "error", "docs/checks/TOILE-P007.md"));
+        assert_eq!(
+            (place.file.as_deref(), place.panel.as_deref(), place.edge),
+            (Some("x y.json"), Some("a b"), Some(3))
+        );
+        assert_eq!(
+            (part.code, part.severity, part.page.as_str()),
+            ("TOILE-P007", "error", "docs/checks/TOILE-P007.md")
+        );
         let error = Error::new("It is bad.", "Mend it.").within("line 7").within("seam \"side\"").within("left arm");
         let place = PlacePart::of(error.places(), &[]);
-        assert_eq!((place.line, place.seam.as_deref(), place.part.as_deref()), (Some(7), Some("side"), Some("left arm")));
+        assert_eq!(
+            (place.line, place.seam.as_deref(), place.part.as_deref()),
+            (Some(7), Some("side"), Some("left arm"))
+        );
     }
 }

@@ -395,10 +395,8 @@ fn read_stitches(
                     )),
                 ),
                 StitchItem::Side { .. } => {
-                    let error = Error::new(
-                        "It has more than two sides.",
-                        "A stitch joins two edges; split the edges instead.",
-                    );
+                    let error =
+                        Error::new("It has more than two sides.", "A stitch joins two edges; split the edges instead.");
                     faults.push(at(error.coded(Code::SeamWithoutPartner)));
                 }
             }

@@ -3,10 +3,10 @@
 use super::length;
 use super::stretch_text;
 use super::toml_keys::{Keys, quoted, remedy_for_key};
-use crate::{Code, Error};
 use crate::pattern::sewing::{Ease, Resolved, SeamPlan, Stretch, resolve};
 use crate::pattern::suggest::Suggestion;
 use crate::pattern::{Pattern, Sense};
+use crate::{Code, Error};
 
 /// More seams or stretches than any garment has; a file with more is damaged.
 const MOST_SEAMS: usize = 5_000;

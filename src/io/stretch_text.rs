@@ -11,9 +11,9 @@
 
 use super::length;
 use super::toml_keys::remedy_for_key;
-use crate::{Code, Error};
 use crate::pattern::Pattern;
 use crate::pattern::sewing::Stretch;
+use crate::{Code, Error};
 
 const FORM: &str = "Write \"PANEL:3\", \"PANEL:2+3\", \"PANEL:3 from notch 1 to end\" or \"PANEL:corner 2 to notch 0\"; `toile seams show` draws the numbers.";
 

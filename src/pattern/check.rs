@@ -1,8 +1,8 @@
 //! All that would make it impossible to build a garment from a pattern.
 
 use super::{Panel, Pattern, Placement, SegmentId};
-use crate::{Code, Error};
 use crate::geometry::Vector2;
+use crate::{Code, Error};
 use std::collections::{HashMap, HashSet};
 
 /// A segment shorter than this is a slip of the drawing, m: a hundredth of a millimetre.
@@ -59,7 +59,10 @@ impl Pattern {
                 if side.segment >= panel.segments.len() {
                     fault(
                         Error::new(
-                            format!("It names edge {} of panel \"{}\", which does not exist.", side.segment, panel.name),
+                            format!(
+                                "It names edge {} of panel \"{}\", which does not exist.",
+                                side.segment, panel.name
+                            ),
                             format!("The panel has {} edges, counted from 0.", panel.segments.len()),
                         )
                         .coded(Code::SeamUnknownEdge),

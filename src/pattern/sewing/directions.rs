@@ -10,9 +10,9 @@
 
 use super::evidence::{SidePath, Travelled, cost};
 use super::{Measured, SeamPlan, Stretch};
-use crate::{Code, Warning};
 use crate::geometry::UnionFind;
 use crate::pattern::{Pattern, Sense};
+use crate::{Code, Warning};
 use std::collections::BTreeMap;
 
 /// What was found.
