@@ -118,6 +118,9 @@ fn real_patterns_raise_no_false_alarms() {
         data.join("bodies").join(if apart { "mean_all_apart.obj" } else { "mean_all.obj" })
     };
     let harmless = ["TOILE-P012", "TOILE-S012", "TOILE-A003", "TOILE-A004"];
+    // The hem of the one is a rib that is 18 cm smaller than the hips, the skirt of the other is drawn for another body: its fit
+    // is stretched by 7 %.
+    let small = ["hoodie", "upstream_dress_pencil"];
     for (name, _) in support::shared_patterns() {
         let path: PathBuf = data.join("patterns/garmentcode").join(format!("{name}.json"));
         let (pattern, body) = (path.display().to_string(), bodies(&name).display().to_string());
@@ -127,6 +130,7 @@ fn real_patterns_raise_no_false_alarms() {
             .unwrap()
             .iter()
             .filter(|f| !harmless.contains(&f["code"].as_str().unwrap()))
+            .filter(|f| !(f["code"] == "TOILE-A007" && small.contains(&name.as_str())))
             .collect();
         assert!(status == 0 && alarms.is_empty(), "{name}: {alarms:#?}");
     }

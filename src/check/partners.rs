@@ -62,9 +62,12 @@ pub fn exchanged(pattern: &Pattern, measured: &Measured) -> Vec<Finding> {
     let length = |seam: usize, side: usize| measured.length_of(pattern.seams[seam].sides[side]);
     let alike = |a: f64, b: f64| (a - b).abs() < ALIKE * a.min(b);
     let distance = |a: &Line, b: &Line, sense: Sense| spread(a, b, sense).sqrt();
+    // Darts lie beside each other, and are sewn one by one.
+    let between = |seam: &Seam| seam.sides[0].panel != seam.sides[1].panel;
+    let seams = || pattern.seams.iter().enumerate().filter(|(_, seam)| between(seam));
     let mut findings = Vec::new();
-    for (i, first) in pattern.seams.iter().enumerate() {
-        for (j, second) in pattern.seams.iter().enumerate().skip(i + 1) {
+    for (i, first) in seams() {
+        for (j, second) in seams().filter(|(j, _)| *j > i) {
             if first.sense != second.sense || !alike(length(i, 1), length(j, 1)) || !alike(length(i, 0), length(j, 0)) {
                 continue;
             }

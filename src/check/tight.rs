@@ -16,8 +16,6 @@ const SPACING: f64 = 0.02;
 /// How far the garment may come to lie below and above where it was placed, in spacings: patterns are placed too low rather than
 /// too high, and what is tight rides up.
 const SLIDES: std::ops::RangeInclusive<isize> = -2..=5;
-/// Part of the strain that a fabric bears which is taken for granted. The rest is for movement.
-const TAKEN_FOR_GRANTED: f64 = 0.5;
 /// A height is called by a landmark that is so near, m.
 const NEAR: f64 = 0.05;
 
@@ -55,7 +53,8 @@ impl Fitted<'_> {
 }
 
 pub fn findings(given: &Given, sewn: &Sewn, marks: &Landmarks) -> Vec<Finding> {
-    let bears = 1.0 + TAKEN_FOR_GRANTED * given.fabric.stretch_limit;
+    // Heights are known to some centimetres only: what the fabric can make up for is not told.
+    let bears = 1.0 + given.fabric.stretch_limit;
     let mut findings = Vec::new();
     for zone in zones(sewn, marks) {
         let around: Vec<Option<Ring>> = zone.stations.iter().map(|station| ring_around(sewn, &zone, station)).collect();
