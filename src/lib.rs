@@ -4,6 +4,7 @@
 pub mod arrangement;
 pub mod assess;
 pub mod body;
+pub mod check;
 pub mod cli;
 pub mod contact;
 pub mod dynamics;
@@ -16,4 +17,4 @@ pub mod minimize;
 pub mod pattern;
 pub mod prepositioning;
 
-pub use error::{Error, Warning};
+pub use error::{Code, Error, Severity, Warning};

@@ -1,6 +1,7 @@
 //! What the documentation says about the code is in the code, and the other way round.
 
 use std::path::{Path, PathBuf};
+use toile::Code;
 
 const THEORY: &str = include_str!("../docs/theory.md");
 
@@ -34,6 +35,31 @@ fn every_equation_that_the_code_cites_stands_in_the_theory() {
         }
     }
     assert!(cited >= 5, "{cited} citations are too few to be all");
+}
+
+/// Pages and registry agree: names, titles, severities, and the index that lists them in order.
+#[test]
+fn every_code_has_a_page_and_every_page_a_code() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/checks");
+    let index = include_str!("../docs/checks.md");
+    let mut listed = index.lines().filter(|line| line.starts_with("| [TOILE-"));
+    for code in Code::ALL {
+        let page = std::fs::read_to_string(folder.join(format!("{code}.md"))).unwrap_or_else(|e| panic!("{code}: {e}"));
+        let severity = code.severity().name();
+        assert_eq!(page.lines().next(), Some(format!("# {code}: {}", code.title()).as_str()));
+        assert!(page.to_lowercase().contains(&format!("*{severity}.*")), "{code} is a {severity}");
+        for heading in ["## How it looks", "## What to do"] {
+            assert!(page.contains(heading), "{code} lacks {heading}");
+        }
+        assert!(
+            page.split("## How it looks").nth(1).unwrap().contains(code.id()),
+            "the example of {code} is of another"
+        );
+        let row = format!("| [{code}](checks/{code}.md) | {severity} | {} |", code.title());
+        assert_eq!(listed.next(), Some(row.as_str()));
+    }
+    assert_eq!(listed.next(), None);
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), Code::ALL.len());
 }
 
 /// The theory names tests as witnesses; they must exist.

@@ -10,7 +10,7 @@ const FLOORS: [&[&str]; 10] = [
     &["pattern", "body"],
     &["garment"],
     &["energy", "contact", "assess", "arrangement"],
-    &["prepositioning"],
+    &["prepositioning", "check"],
     &["dynamics"],
     &["io"],
     &["cli"],

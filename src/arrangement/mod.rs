@@ -12,11 +12,11 @@ mod motion;
 mod openings;
 pub mod placing;
 
-use crate::Error;
 use crate::body::{Body, DistanceField};
 use crate::garment::{Level, PanelRange};
 use crate::geometry::{BoxTree, EdgeTable, UnionFind, Vector3, triangle_distance};
 use crate::pattern::Pattern;
+use crate::{Code, Error};
 use motion::Motion;
 use nalgebra::Rotation3;
 use openings::{Arc, Core, arcs};
@@ -105,6 +105,7 @@ pub fn check_placed(pattern: &Pattern) -> Result<(), Error> {
         "It has no place around the body: drawings such as DXF and FreeSewing hold none.",
         "Have the panels placed by themselves: `--place auto`.",
     )
+    .coded(Code::Unplaced)
     .within(format!("panel \"{}\"", lying.name)))
 }
 
@@ -132,7 +133,8 @@ pub fn check_placement(pattern: &Pattern, body: &Body) -> Result<(), Error> {
         return Err(Error::new(
             format!("The pattern is placed {far:.2} m {way} the body."),
             "Use the body that it was placed for, or place the panels around this one: metres, y up, the body's middle at x = 0, z = 0.",
-        ));
+        )
+        .coded(Code::PlacedElsewhere));
     }
     Ok(())
 }

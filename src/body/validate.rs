@@ -1,7 +1,7 @@
 //! Is a mesh a body that can be dressed?
 
 use crate::geometry::Vector3;
-use crate::{Error, Warning};
+use crate::{Code, Error, Warning};
 
 /// Bodies from infants' to giants', m.
 const HEIGHTS: std::ops::RangeInclusive<f64> = 0.3..=3.0;
@@ -12,25 +12,31 @@ const FLOOR_TOLERANCE: f64 = 0.05;
 /// How many bad edges are listed in a message.
 const MOST_LISTED: usize = 3;
 
-/// The first fault that keeps a mesh from being dressed; else what is doubtful about it.
+/// All that keeps a mesh from being dressed, the first fault carrying the others; else what is doubtful about it.
 pub fn validate(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Warning>, Error> {
     check_numbers(positions, triangles)?;
-    check_size(positions)?;
-    check_closed(triangles)?;
+    let faults = [check_size(positions), check_closed(triangles)].into_iter().filter_map(Result::err);
+    if let Some(fault) = Error::all(faults) {
+        return Err(fault);
+    }
     let volume = volume(positions, triangles);
     if volume.abs() < LEAST_VOLUME {
         return Err(Error::new(
             "The body encloses no volume.",
             "Give a closed mesh of the whole body; a flat sheet cannot be dressed.",
-        ));
+        )
+        .coded(Code::BodyWithoutVolume));
     }
-    if volume < 0.0 {
-        return Err(Error::new(
-            "The body is inside out: its triangles face inwards.",
-            "Flip the normals of the mesh in the program that made it, and export it again.",
-        ));
+    let inside_out = Error::new(
+        "The body is inside out: its triangles face inwards.",
+        "Flip the normals of the mesh in the program that made it, and export it again.",
+    );
+    let facing = if volume < 0.0 { Err(inside_out.coded(Code::BodyInsideOut)) } else { Ok(()) };
+    match (facing, check_upright(positions, triangles)) {
+        (Ok(()), upright) => upright,
+        (Err(fault), Ok(_)) => Err(fault),
+        (Err(fault), Err(other)) => Err(Error::all([fault, other]).expect("there are two")),
     }
-    check_upright(positions, triangles)
 }
 
 /// Are there triangles, and are all their corners points in space?
@@ -87,7 +93,7 @@ fn check_size(positions: &[Vector3]) -> Result<(), Error> {
     } else {
         format!("If it is {}.", guesses.join("; if it is "))
     };
-    Err(Error::new(format!("The body is {size:.4} m tall."), remedy))
+    Err(Error::new(format!("The body is {size:.4} m tall."), remedy).coded(Code::BodyWrongSize))
 }
 
 /// Every edge must be run through once in each direction.
@@ -102,7 +108,8 @@ fn check_closed(triangles: &[[u32; 3]]) -> Result<(), Error> {
                 w[0][1] + 1
             ),
             "Make the mesh a manifold with all its normals outward.",
-        ));
+        )
+        .coded(Code::BodyNotManifold));
     }
     let open: Vec<[u32; 2]> = sides.iter().filter(|[a, b]| sides.binary_search(&[*b, *a]).is_err()).copied().collect();
     if open.is_empty() {
@@ -116,7 +123,8 @@ fn check_closed(triangles: &[[u32; 3]]) -> Result<(), Error> {
             listed.join(", ")
         ),
         "Close the holes. Vertices split at texture seams must be merged before export, without merging others.",
-    ))
+    )
+    .coded(Code::BodyOpen))
 }
 
 pub fn volume(positions: &[Vector3], triangles: &[[u32; 3]]) -> f64 {
@@ -135,7 +143,8 @@ fn check_upright(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Wa
         return Err(Error::new(
             format!("The body lies along z: it is {:.2} m long there and {:.2} m high in y.", size.z, size.y),
             "Turn it so that y is up and it faces +z; many programs have z up and offer y up on export.",
-        ));
+        )
+        .coded(Code::BodyNotUpright));
     }
     // Just above the floor a standing body is two feet, just below the crown it is one head.
     let parts_at = |fraction: f64| slice_parts(positions, triangles, low.y + fraction * size.y);
@@ -143,14 +152,18 @@ fn check_upright(positions: &[Vector3], triangles: &[[u32; 3]]) -> Result<Vec<Wa
         return Err(Error::new(
             "The body stands on its head.",
             "Turn it so that its feet are at y = 0 and its head is up.",
-        ));
+        )
+        .coded(Code::BodyNotUpright));
     }
     let mut warnings = Vec::new();
     if low.y.abs() > FLOOR_TOLERANCE {
-        warnings.push(Warning(Error::new(
-            format!("The body's lowest point is at y = {:.3} m.", low.y),
-            "Bodies stand on the floor at y = 0; check that the pattern was placed for this body.",
-        )));
+        warnings.push(Warning(
+            Error::new(
+                format!("The body's lowest point is at y = {:.3} m.", low.y),
+                "Bodies stand on the floor at y = 0; check that the pattern was placed for this body.",
+            )
+            .coded(Code::BodyOffFloor),
+        ));
     }
     Ok(warnings)
 }

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::io::{dxf, length, settings_toml};
-use crate::prepositioning::{FinishLine, Settings};
+use crate::prepositioning::{DEFAULT_CLEARANCE, FinishLine, Settings};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -242,6 +242,15 @@ pub struct Check {
     /// Resolutions of all levels, coarsest first, such as "40,20,10,5 mm"
     #[arg(long, value_name = "LENGTHS", allow_hyphen_values = true)]
     pub levels: Option<String>,
+    /// Name of the fabric that the garment will be fitted with, or path of a fabric file (TOML) [default: neutral]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub fabric: Option<String>,
+    /// Distance to be kept from the body [default: "0.7 mm"]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub clearance: Option<String>,
+    /// Write one JSON document instead of words
+    #[arg(long)]
+    pub json: bool,
     #[command(flatten)]
     pub placing: Placing,
 }
@@ -482,6 +491,17 @@ impl Check {
         };
         let checked = resolutions.and_then(|r| crate::garment::check_resolutions(&r).map(|()| r));
         checked.map_err(|e| Failure::Usage(e.within(option)))
+    }
+
+    /// The distance to be kept from the body, m.
+    pub fn clearance(&self) -> Result<f64, Failure> {
+        let asked = self.clearance.as_deref().map(length::parse_or_zero).transpose();
+        let settings = |clearance| Settings { clearance, ..Settings::default() };
+        let checked = asked.and_then(|asked| {
+            let clearance = asked.unwrap_or(DEFAULT_CLEARANCE);
+            settings(clearance).check().map(|()| clearance)
+        });
+        checked.map_err(|e| Failure::Usage(e.within("--clearance")))
     }
 }
 

@@ -1,190 +1,223 @@
-//! `toile check`: what is wrong or doubtful with the input, before any solving.
+//! `toile check`: all that is wrong or doubtful with the input, before any solving.
 //!
-//! A first form: what the readers and the discretization find, seams of unequal lengths, and how the
-//! panels stand to the body. Findings go to the standard output stream.
+//! Findings go to the standard output stream, errors to the standard error stream as those of every command; with `--json` all
+//! go to the one document. What is wrong with one input does not hide what is wrong with another.
 
 use super::arguments::Check;
-use super::inputs::{BodyInput, PatternInput};
+use super::inputs::{BodyInput, PatternInput, fabric};
 use super::place::place_all;
 use super::{Failure, Status, complaint};
-use crate::arrangement::{Care, arrange, check_placement, placed};
+use crate::body::Landmarks;
+use crate::check::{Finding, Given, examine, in_order};
 use crate::garment::Garment;
-use crate::geometry::Vector3;
+use crate::io::findings::{finding_part, seam_ease};
 use crate::io::length::describe;
-use crate::pattern::Pattern;
-use crate::prepositioning::{DEFAULT_CLEARANCE, distance_field};
-use crate::{Error, Warning};
+use crate::pattern::Fabric;
+use crate::pattern::sewing::{ease_of, plans_of};
+use crate::prepositioning::distance_field;
+use crate::{Code, Error, Severity};
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Sides of a seam that differ by more than this share are mentioned: the one is gathered or eased.
-const UNEQUAL: f64 = 0.01;
-/// Panels that have to be moved farther than this to clear the body are mentioned, m.
-const FAR_MOVE: f64 = 0.03;
-
 pub fn run(asked: &Check) -> Result<Status, Failure> {
-    let resolutions = asked.resolutions()?;
-    // What is wrong with the one file must not hide what is wrong with the other.
-    let mut errors: Vec<Error> = Vec::new();
-    let mut sound = |result: Result<_, Error>| result.map_err(|e| errors.push(e)).ok();
-    let options = asked.reading.options()?;
-    let opened = sound(PatternInput::open_sewn(&asked.pattern, asked.seams.as_deref(), &options).and_then(|input| {
-        let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
-        built.map(|garment| (input, garment))
-    }));
-    let body = match asked.body.as_deref().map(|path| Ok(BodyInput::open(path, asked.align)?.looked_over())).transpose()
-    {
-        Ok(body) => body,
-        Err(e) => {
-            errors.push(e);
-            None
-        }
-    };
-    let mut opened = opened;
-    if let (Some((input, _)), Some(body)) = (&mut opened, &body)
-        && let Err(Failure::Input(e) | Failure::Usage(e)) =
-            place_all(std::slice::from_mut(input), body, &asked.placing, true)
-    {
-        errors.push(e);
-    } else if let (Some((input, _)), Some(body)) = (&opened, &body)
-        && input.pattern.is_placed()
-        && let Err(e) = check_placement(&input.pattern, &body.body)
-    {
-        errors.push(e.within(&input.place));
+    let looked = look(asked)?;
+    let wrong = looked.findings.iter().filter(|finding| finding.severity == Severity::Error);
+    if asked.json {
+        print(&format!("{:#}\n", looked.json()))?;
+    } else {
+        wrong.clone().for_each(|finding| complaint::print(&finding.error));
+        print(&looked.words())?;
     }
-    errors.iter().for_each(complaint::print);
-    match opened {
-        Some((input, garment)) if errors.is_empty() => findings(&input, &garment, body.as_ref()),
-        _ => Ok(Status::InvalidInput),
-    }
+    Ok(if wrong.count() > 0 { Status::InvalidInput } else { Status::Fine })
 }
 
-/// Tells what the input is, and what is doubtful about it.
-fn findings(input: &PatternInput, garment: &Garment, body: Option<&BodyInput>) -> Result<Status, Failure> {
-    let pattern = &input.pattern;
-    let mut text = String::new();
-    describe_pattern(&mut text, pattern);
-    for level in &garment.levels {
-        let _ = writeln!(
-            text,
-            "  at {}: {} particles, {} triangles",
-            describe(level.resolution),
-            level.particle_count,
-            level.triangles.len()
-        );
-    }
-    let mut doubts: Vec<String> = input.warnings.iter().map(told).collect();
-    doubts.extend(unfinished(pattern));
-    doubts.extend(unequal_seams(pattern));
-    if let Some(body) = body {
-        doubts.extend(body.warnings.iter().map(told));
-        let (low, high) = body.body.bounds();
-        let _ = writeln!(
-            text,
-            "body {}: {} vertices, {} triangles, {:.2} m tall",
-            body.name,
-            body.body.positions().len(),
-            body.body.triangles().len(),
-            high.y - low.y
-        );
-        if let Some(alignment) = &body.alignment {
-            let _ = writeln!(text, "  aligned: it is {}", alignment.describe());
-        }
-        if pattern.is_placed() {
-            doubts.extend(standing(pattern, garment, body));
-        }
-    }
-    let verdict = match doubts.len() {
-        0 => "nothing wrong, nothing doubtful".to_owned(),
-        1 => "nothing wrong, 1 thing to know:".to_owned(),
-        n => format!("nothing wrong, {n} things to know:"),
-    };
-    let _ = writeln!(text, "{verdict}");
-    for doubt in &doubts {
-        let _ = writeln!(text, "  - {doubt}");
-    }
+fn print(text: &str) -> Result<(), Error> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         // Whoever closed the pipe has read enough.
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Error::new(format!("The findings cannot be written ({e})."), "Make room, or write them elsewhere.")
-                .into())
+            Err(Error::new(format!("The findings cannot be written ({e})."), "Make room, or write them elsewhere."))
         }
-        _ => Ok(Status::Fine),
+        _ => Ok(()),
     }
 }
 
-fn told(warning: &Warning) -> String {
-    format!("{warning} {}", warning.0.remedy())
+/// What could be read and built, and all that was found.
+struct Looked {
+    pattern: Option<PatternInput>,
+    garment: Option<Garment>,
+    body: Option<BodyInput>,
+    findings: Vec<Finding>,
+    /// As messages name them.
+    files: Vec<String>,
 }
 
-fn describe_pattern(text: &mut String, pattern: &Pattern) {
-    let area: f64 = pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
-    let seam = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).fold(0.0, |sum, length| sum + length);
-    let _ = writeln!(
-        text,
-        "pattern {}: {} panels of {area:.2} m² in all, {} seams of {seam:.2} m",
-        pattern.name,
-        pattern.panels.len(),
-        pattern.seams.len(),
-    );
-}
-
-/// What a drawing does not hold, and a fit needs.
-fn unfinished(pattern: &Pattern) -> Vec<String> {
-    let mut doubts = Vec::new();
-    let lying = pattern.panels.iter().filter(|p| p.placement.is_none()).count();
-    if lying > 0 {
-        doubts.push(format!(
-            "{lying} of {} panels lie in the plane as drawn, without a place around the body; the pattern cannot be fitted yet.",
-            pattern.panels.len()
-        ));
+fn look(asked: &Check) -> Result<Looked, Failure> {
+    let (resolutions, clearance) = (asked.resolutions()?, asked.clearance()?);
+    let options = asked.reading.options()?;
+    let mut findings: Vec<Finding> = Vec::new();
+    let fabric = match fabric(asked.fabric.as_deref()) {
+        Err(Failure::Input(error)) => {
+            findings.extend(Finding::of_error(error, Code::FabricUnusable));
+            Fabric::default()
+        }
+        other => other?,
+    };
+    let opened = PatternInput::open(&asked.pattern, &options);
+    let mut pattern = opened.map_err(|e| findings.extend(Finding::of_error(e, Code::PatternUnreadable))).ok();
+    let mut is_sewn = true;
+    if let (Some(input), Some(seams)) = (&mut pattern, asked.seams.as_deref()) {
+        let sewn = input.sew(seams).map_err(|e| findings.extend(Finding::of_error(e, Code::SeamUnusable)));
+        is_sewn = sewn.is_ok();
     }
-    if pattern.seams.is_empty() {
-        doubts.push("The pattern has no seams: nothing will be sewn.".to_owned());
+    let garment = pattern.as_ref().and_then(|input| {
+        let built = Garment::build(&input.pattern, &resolutions).map_err(|e| e.within(&input.place));
+        built.map_err(|e| findings.extend(Finding::of_error(e, Code::PanelTooNarrow))).ok()
+    });
+    let opened = asked.body.as_deref().map(|path| Ok(BodyInput::open(path, asked.align)?.looked_over())).transpose();
+    let body = opened.unwrap_or_else(|e: Error| {
+        findings.extend(Finding::of_error(e, Code::BodyUnreadable));
+        None
+    });
+    if let (Some(input), Some(body), true) = (&mut pattern, &body, is_sewn)
+        && let Err(Failure::Input(e) | Failure::Usage(e)) =
+            place_all(std::slice::from_mut(input), body, &asked.placing, true)
+    {
+        findings.extend(Finding::of_error(e, Code::PlacingFailed));
     }
-    doubts
+    if let Some(input) = &pattern {
+        let seams = asked.seams.as_ref().map(|path| path.display().to_string());
+        for warning in &input.warnings {
+            let finding = Finding::of_warning(warning, Code::LeftAside);
+            let of_seams = warning.0.places().first() == seams.as_ref() && seams.is_some();
+            findings.push(if of_seams { finding } else { finding.with_file(&input.place) });
+        }
+        let is_placed = input.pattern.is_placed();
+        let landmarks = body.as_ref().filter(|_| is_placed).and_then(|body| match Landmarks::find(&body.body) {
+            Ok(marks) => Some(marks),
+            Err(error) => {
+                findings.push(Finding::without_landmarks(&error, &body.name));
+                None
+            }
+        });
+        let field = body.as_ref().filter(|_| is_placed).map(|body| distance_field(&body.body, clearance));
+        let found = examine(&Given {
+            pattern: &input.pattern,
+            resolutions: &resolutions,
+            garment: garment.as_ref(),
+            eased: &input.eased,
+            fabric: &fabric,
+            clearance,
+            body: body.as_ref().map(|body| &body.body),
+            landmarks: landmarks.as_ref(),
+            field: field.as_ref(),
+        });
+        // A file of seams that cannot be used has been told of; that nothing is sewn follows.
+        let follows = |finding: &Finding| !is_sewn && finding.code == Code::NoSeams;
+        findings.extend(found.into_iter().filter(|f| !follows(f)).map(|f| f.with_file(&input.place)));
+    }
+    if let Some(body) = &body {
+        findings.extend(body.warnings.iter().map(|w| Finding::of_warning(w, Code::BodyMisplaced)));
+    }
+    in_order(&mut findings);
+    let files = [Some(&asked.pattern), asked.seams.as_ref(), asked.body.as_ref(), asked.placing.arrangement.as_ref()];
+    let files = files.into_iter().flatten().map(|path| path.display().to_string()).collect();
+    Ok(Looked { pattern, garment, body, findings, files })
 }
 
-fn unequal_seams(pattern: &Pattern) -> impl Iterator<Item = String> + '_ {
-    pattern.seams.iter().filter_map(|seam| {
-        let [a, b] = pattern.seam_lengths(seam);
-        let (longer, shorter) = (a.max(b), a.min(b));
-        (longer > shorter * (1.0 + UNEQUAL)).then(|| {
-            format!(
-                "{}: {:.1} cm is sewn to {:.1} cm; the longer side is gathered by {:.0} %.",
-                pattern.seam_name(seam),
-                longer * 100.0,
-                shorter * 100.0,
-                (longer / shorter - 1.0) * 100.0
-            )
+impl Looked {
+    /// What the input is, and what is doubtful about it; errors are told elsewhere.
+    fn words(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        if let Some(PatternInput { pattern, .. }) = &self.pattern {
+            let area: f64 = pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
+            let seams: f64 = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).sum();
+            let (panels, count) = (pattern.panels.len(), pattern.seams.len());
+            let _ = writeln!(
+                text,
+                "pattern {}: {panels} panels of {area:.2} m² in all, {count} seams of {:.2} m",
+                pattern.name,
+                seams.abs()
+            );
+        }
+        for level in self.garment.iter().flat_map(|garment| &garment.levels) {
+            let (particles, triangles) = (level.particle_count, level.triangles.len());
+            let at = describe(level.resolution);
+            let _ = writeln!(text, "  at {at}: {particles} particles, {triangles} triangles");
+        }
+        if let Some(body) = &self.body {
+            let (low, high) = body.body.bounds();
+            let (vertices, triangles) = (body.body.positions().len(), body.body.triangles().len());
+            let tall = high.y - low.y;
+            let _ = writeln!(text, "body {}: {vertices} vertices, {triangles} triangles, {tall:.2} m tall", body.name);
+            if let Some(alignment) = &body.alignment {
+                let _ = writeln!(text, "  aligned: it is {}", alignment.describe());
+            }
+        }
+        let (doubts, wrong): (Vec<&Finding>, Vec<&Finding>) =
+            self.findings.iter().partition(|finding| finding.severity == Severity::Warning);
+        let things = |count: usize| if count == 1 { "1 thing".to_owned() } else { format!("{count} things") };
+        let wrong =
+            if wrong.is_empty() { "nothing wrong".to_owned() } else { format!("{} wrong", things(wrong.len())) };
+        let _ = match doubts.len() {
+            0 => writeln!(text, "{wrong}, nothing doubtful"),
+            count => writeln!(text, "{wrong}, {} to know:", things(count)),
+        };
+        for Finding { code, error, .. } in doubts {
+            let _ = writeln!(text, "  - {code} {error}\n      {}", error.remedy());
+        }
+        text
+    }
+
+    fn json(&self) -> Value {
+        let count = |severity: Severity| self.findings.iter().filter(|finding| finding.severity == severity).count();
+        let findings: Vec<_> = self.findings.iter().map(|finding| finding_part(finding, &self.files)).collect();
+        let pattern = self.pattern.as_ref().map(|input| &input.pattern);
+        let ease = pattern.map_or(Vec::new(), |pattern| ease_of(pattern, &plans_of(pattern)));
+        json!({
+            "format": "toile check",
+            "version": 1,
+            "toile_version": env!("CARGO_PKG_VERSION"),
+            "errors": count(Severity::Error),
+            "warnings": count(Severity::Warning),
+            "findings": findings,
+            "pattern": self.pattern.as_ref().map(|input| self.pattern_json(input)),
+            "body": self.body.as_ref().map(body_json),
+            "seams": ease.iter().map(seam_ease).collect::<Vec<_>>(),
         })
-    })
+    }
+
+    fn pattern_json(&self, input: &PatternInput) -> Value {
+        let levels = self.garment.iter().flat_map(|garment| &garment.levels);
+        let level = |level: &crate::garment::Level| {
+            json!({
+                "resolution_m": level.resolution,
+                "particles": level.particle_count,
+                "triangles": level.triangles.len(),
+            })
+        };
+        let area: f64 = input.pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
+        json!({
+            "name": input.pattern.name,
+            "sha256": input.sha256,
+            "panels": input.pattern.panels.len(),
+            "seams": input.pattern.seams.len(),
+            "area_m2": area,
+            "placed": input.pattern.is_placed(),
+            "levels": levels.map(level).collect::<Vec<_>>(),
+        })
+    }
 }
 
-/// How the panels stand to the body, and how far the arrangement will move them.
-fn standing(pattern: &Pattern, garment: &Garment, body: &BodyInput) -> Vec<String> {
-    let mut doubts = Vec::new();
-    let positions = placed(pattern, &garment.open);
-    for (panel, range) in pattern.panels.iter().zip(&garment.open.panels) {
-        let inside = |p: &&Vector3| body.body.contains(**p);
-        let count = positions[range.points.clone()].iter().filter(inside).count();
-        if count > 0 {
-            let of = range.points.len();
-            doubts.push(format!("panel \"{}\": {count} of {of} particles start inside the body.", panel.name));
-        }
-    }
-    let field = distance_field(&body.body, DEFAULT_CLEARANCE);
-    let shifts = arrange(pattern, &garment.open, &body.body, &field, Care::Seams).shifts;
-    for (panel, shift) in pattern.panels.iter().zip(shifts) {
-        if shift.norm() > FAR_MOVE {
-            doubts.push(format!(
-                "panel \"{}\" will be moved by ({:.0}, {:.0}, {:.0}) mm first, so that its seams clear the body.",
-                panel.name,
-                shift.x * 1e3,
-                shift.y * 1e3,
-                shift.z * 1e3
-            ));
-        }
-    }
-    doubts
+fn body_json(body: &BodyInput) -> Value {
+    let (low, high) = body.body.bounds();
+    json!({
+        "name": body.name,
+        "sha256": body.sha256,
+        "vertices": body.body.positions().len(),
+        "triangles": body.body.triangles().len(),
+        "height_m": high.y - low.y,
+        "alignment": body.alignment.as_ref().map(crate::io::report::AlignmentPart::from),
+    })
 }

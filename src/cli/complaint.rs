@@ -21,6 +21,10 @@ impl fmt::Display for Complaint<'_> {
 impl std::error::Error for Complaint<'_> {}
 
 impl Diagnostic for Complaint<'_> {
+    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.error.code().map(|code| Box::new(code) as Box<dyn fmt::Display>)
+    }
+
     fn severity(&self) -> Option<Severity> {
         Some(self.severity)
     }
@@ -30,9 +34,9 @@ impl Diagnostic for Complaint<'_> {
     }
 }
 
-/// Tells on the standard error stream why nothing came of it, and what to do.
+/// Tells on the standard error stream why nothing came of it, and what to do: of an error that carries others, all.
 pub fn print(error: &Error) {
-    eprint!("{}", rendered(error, Severity::Error));
+    error.clone().each().iter().for_each(|error| eprint!("{}", rendered(error, Severity::Error)));
 }
 
 pub fn print_warning(warning: &Warning) {
@@ -43,7 +47,8 @@ fn rendered(error: &Error, severity: Severity) -> String {
     // Whoever reads a log wants a line that can be searched; a terminal has a width.
     if !std::io::stderr().is_terminal() {
         let word = if severity == Severity::Error { "error" } else { "warning" };
-        return format!("{word}: {error}\n  help: {}\n", error.remedy());
+        let code = error.code().map_or_else(String::new, |code| format!("[{code}]"));
+        return format!("{word}{code}: {error}\n  help: {}\n", error.remedy());
     }
     let mut text = String::new();
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::default());

@@ -7,12 +7,13 @@ use super::progress::Watcher;
 use super::stopwatch::Stopwatch;
 use super::{Failure, Status, complaint, results};
 use crate::assess::{Tight, hand_off};
+use crate::check::{Finding, Given, examine, in_order};
 use crate::io::process;
 use crate::io::report::{Host, Solve};
 use crate::minimize::Termination;
 use crate::pattern::{Fabric, Pattern};
 use crate::prepositioning::{Outcome, Outfit, Settings, preposition_outfit};
-use crate::{Error, Warning};
+use crate::{Code, Error, Severity, Warning};
 use std::path::Path;
 use std::time::Instant;
 
@@ -60,13 +61,18 @@ pub fn fit(
         // Never silently: where the results are depends on it.
         eprintln!("body {} aligned: it is {}", body.name, alignment.describe());
     }
-    let told: Vec<Vec<String>> = patterns
-        .iter()
-        .zip(0..)
-        .map(|(pattern, k)| {
+    let found: Vec<Vec<Finding>> = (0..patterns.len())
+        .map(|k| {
             // What is doubtful about the body is told once.
-            let of_body = body.warnings.iter().filter(|_| k == 0);
-            tell(&pattern.warnings.iter().chain(of_body).collect::<Vec<_>>(), silent)
+            let of_body: &[Warning] = if k == 0 { &body.warnings } else { &[] };
+            findings(&patterns[k], of_body, body, settings, &fabrics[k])
+        })
+        .collect();
+    let told: Vec<Vec<String>> = found
+        .iter()
+        .map(|findings| {
+            let warnings: Vec<Warning> = findings.iter().map(|finding| Warning(finding.error.clone())).collect();
+            tell(&warnings.iter().collect::<Vec<_>>(), silent)
         })
         .collect();
 
@@ -101,6 +107,7 @@ pub fn fit(
             fabric: &fabrics[k],
             settings,
             warnings: &told[k],
+            findings: &found[k],
             outcome,
             solve: &solve,
         };
@@ -126,6 +133,33 @@ pub fn fit(
     // Of several ends the one that promises least.
     let worst = [Status::BudgetSpent, Status::GateFailed].into_iter().find(|status| statuses.contains(status));
     Ok(worst.unwrap_or(Status::Fine))
+}
+
+/// What is doubtful about a pattern and its body, by the code of `toile check`. What would cost more than a hundredth of a fit is
+/// left to that: landmarks, and with them girths; where panels start, which the fit tries itself.
+fn findings(
+    pattern: &PatternInput,
+    of_body: &[Warning],
+    body: &BodyInput,
+    settings: &Settings,
+    fabric: &Fabric,
+) -> Vec<Finding> {
+    let mut findings = examine(&Given {
+        pattern: &pattern.pattern,
+        resolutions: &settings.resolutions,
+        garment: None,
+        eased: &pattern.eased,
+        fabric,
+        clearance: settings.clearance,
+        body: Some(&body.body),
+        landmarks: None,
+        field: None,
+    });
+    findings.retain(|finding| finding.severity == Severity::Warning);
+    findings.extend(pattern.warnings.iter().map(|warning| Finding::of_warning(warning, Code::LeftAside)));
+    findings.extend(of_body.iter().map(|warning| Finding::of_warning(warning, Code::BodyMisplaced)));
+    in_order(&mut findings);
+    findings
 }
 
 /// The settings for the innermost garment: it keeps from what the body wears what two fabrics keep from each other.

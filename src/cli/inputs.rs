@@ -9,7 +9,7 @@ use crate::geometry::Vector3;
 use crate::io::report::Stage;
 use crate::io::{body_obj, dxf, fabric_toml, pattern_file, read, seams_toml, state};
 use crate::pattern::{Fabric, Pattern};
-use crate::{Error, Warning};
+use crate::{Code, Error, Warning};
 use std::path::Path;
 
 /// A pattern, and what to call it.
@@ -20,52 +20,59 @@ pub struct PatternInput {
     /// Of the file.
     pub sha256: String,
     pub warnings: Vec<Warning>,
+    /// Per seam: is its ease stated? Empty where none is.
+    pub eased: Vec<bool>,
 }
 
 impl PatternInput {
     /// Reads a pattern file and sews it by a file of seams, if one is given.
     pub fn open_sewn(path: &Path, seams: Option<&Path>, options: &dxf::Options) -> Result<Self, Error> {
         let mut input = Self::open(path, options)?;
-        let Some(seams) = seams else { return Ok(input) };
-        let text = read::text(seams)?;
-        let within = |e: Error| e.within(seams.display());
+        if let Some(seams) = seams {
+            input.sew(seams)?;
+        }
+        Ok(input)
+    }
+
+    /// Sews it by a file of seams instead of its own.
+    pub fn sew(&mut self, seams: &Path) -> Result<(), Error> {
+        let input = self;
+        let text = read::text(seams).map_err(|e| e.coded(Code::SeamUnusable))?;
+        let within = |e: Error| e.coded(Code::SeamUnusable).within(seams.display());
         let sewn = seams_toml::sew(&input.pattern, &text).map_err(within)?;
+        let note = |problem: String, remedy: &str| Error::new(problem, remedy).coded(Code::SeamNote);
         if !input.pattern.seams.is_empty() {
-            input.warnings.push(Warning(
-                Error::new(
-                    format!(
-                        "The {} seams of the pattern itself are left aside for those of this file.",
-                        input.pattern.seams.len()
-                    ),
-                    "Leave --seams out to sew the pattern's own.",
-                )
-                .within(seams.display()),
-            ));
+            let count = input.pattern.seams.len();
+            let error = note(
+                format!("The {count} seams of the pattern itself are left aside for those of this file."),
+                "Leave --seams out to sew the pattern's own.",
+            );
+            input.warnings.push(Warning(error.within(seams.display())));
         }
         for (panel, _) in input.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
-            input.warnings.push(Warning(
-                Error::new(
-                    "The panel is turned over, so that the right sides of all panels lie outside.",
-                    "If it is drawn right side up, look at the seams around it with `toile seams show`.",
-                )
-                .within(format!("panel \"{}\"", panel.name))
-                .within(seams.display()),
-            ));
+            let error = note(
+                "The panel is turned over, so that the right sides of all panels lie outside.".to_owned(),
+                "If it is drawn right side up, look at the seams around it with `toile seams show`.",
+            );
+            input.warnings.push(Warning(error.within(format!("panel \"{}\"", panel.name)).within(seams.display())));
         }
-        input.warnings.extend(sewn.warnings.into_iter().map(|w| Warning(within(w.0))));
-        input.pattern = sewn.pattern;
-        Ok(input)
+        let noted = |w: Warning| Warning(w.0.coded(Code::SeamNote).within(seams.display()));
+        input.warnings.extend(sewn.warnings.into_iter().map(noted));
+        (input.pattern, input.eased) = (sewn.pattern, sewn.eased);
+        Ok(())
     }
 
     /// Reads a pattern file of any kind.
     pub fn open(path: &Path, options: &dxf::Options) -> Result<Self, Error> {
         let place = path.display().to_string();
-        Self::parse(&read::bytes(path)?, &name_of(path), &place, options).map_err(|e| e.within(place))
+        let bytes = read::bytes(path).map_err(|e| e.coded(Code::PatternUnreadable))?;
+        Self::parse(&bytes, &name_of(path), &place, options).map_err(|e| e.within(place))
     }
 
     pub fn parse(bytes: &[u8], name: &str, place: &str, options: &dxf::Options) -> Result<Self, Error> {
         let (pattern, warnings) = pattern_file::open(bytes, name, options)?;
-        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(bytes), warnings })
+        let eased = pattern_file::stated_ease(bytes);
+        Ok(Self { pattern, place: place.to_owned(), sha256: read::sha256_hex(bytes), warnings, eased })
     }
 
     /// Is there anything that holds its panels together?
@@ -80,6 +87,7 @@ impl PatternInput {
             ),
             "Have seams proposed with `toile seams suggest`, look them over, and give the file with --seams.",
         )
+        .coded(Code::NoSeams)
         .within(&self.place))
     }
 
@@ -129,7 +137,7 @@ impl BodyInput {
                 }
             }
         };
-        read().map_err(|e: Error| e.within(path.display()))
+        read().map_err(|e: Error| e.coded(Code::BodyUnreadable).within(path.display()))
     }
 
     pub fn parse(bytes: &[u8], name: &str) -> Result<Self, Error> {
@@ -178,6 +186,7 @@ impl BodyInput {
                     format!("It was fitted on another body, \"{}\".", state.body_name),
                     "Fit it on this body first, unless the two are the same in place and shape.",
                 )
+                .coded(Code::WornElsewhere)
                 .within(file.display()),
             ));
         }
@@ -194,16 +203,16 @@ fn with_alignment(error: Error, bytes: &[u8]) -> Error {
     let recognized =
         body_obj::mesh(bytes).and_then(|(positions, triangles)| Alignment::recognize(&positions, &triangles));
     match recognized {
-        Ok(alignment) if !alignment.is_identity() => Error::new(
-            error.problem(),
-            format!(
+        Ok(alignment) if !alignment.is_identity() => {
+            let remedy = format!(
                 "{} Or give --align auto, which takes it as {}, {} up, facing {}.",
                 error.remedy(),
                 alignment.unit,
                 alignment.up,
                 alignment.facing
-            ),
-        ),
+            );
+            Error::new(error.problem(), remedy).coded(error.code().unwrap_or(Code::BodyUnreadable))
+        }
         _ => error,
     }
 }
@@ -229,7 +238,8 @@ fn misplaced(body: &Body) -> Option<Warning> {
             alignment.unit, alignment.up, alignment.facing
         ),
         "Patterns are placed for a body in metres, y up, facing +z, that stands over the origin: give --align auto, or move it.",
-    )))
+    )
+    .coded(Code::BodyMisplaced)))
 }
 
 /// The name of a file without its folder and its ending.
@@ -261,10 +271,11 @@ pub fn fabric(asked: Option<&str>) -> Result<Fabric, Failure> {
     let path = Path::new(asked);
     let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || path.components().count() > 1;
     if is_file {
-        let text = read::text(path)?;
-        return Ok(fabric_toml::parse(&text, &name_of(path)).map_err(|e| e.within(path.display()))?);
+        let text = read::text(path).map_err(|e| e.coded(Code::FabricUnusable))?;
+        let within = |e: Error| e.coded(Code::FabricUnusable).within(path.display());
+        return Ok(fabric_toml::parse(&text, &name_of(path)).map_err(within)?);
     }
-    Fabric::named(asked).map_err(|e| Failure::Usage(e.within("--fabric")))
+    Fabric::named(asked).map_err(|e| Failure::Usage(e.coded(Code::FabricUnusable).within("--fabric")))
 }
 
 /// The text of the settings file, if there is one.

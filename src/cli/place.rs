@@ -3,13 +3,13 @@
 use super::arguments::{Place, PlaceBy, Placing};
 use super::inputs::{BodyInput, PatternInput};
 use super::{Failure, Status, complaint};
-use crate::Error;
 use crate::arrangement::placed;
 use crate::arrangement::placing::{Override, Report, place};
 use crate::body::Landmarks;
 use crate::garment::Garment;
 use crate::io::picture::{BodyView, GarmentView, preview};
 use crate::io::{arrangement_toml, atomic, read};
+use crate::{Code, Error};
 use std::path::Path;
 
 /// Resolution of the panels in the picture, m.
@@ -62,12 +62,15 @@ pub fn place_all(
 
 fn overrides(input: &PatternInput, file: Option<&Path>) -> Result<Vec<Option<Override>>, Error> {
     let Some(file) = file else { return Ok(vec![None; input.pattern.panels.len()]) };
-    arrangement_toml::parse(&read::text(file)?, &input.pattern).map_err(|e| e.within(file.display()))
+    let text = read::text(file).map_err(|e| e.coded(Code::PlacingFailed))?;
+    let within = |e: Error| e.coded(Code::PlacingFailed).within(file.display());
+    arrangement_toml::parse(&text, &input.pattern).map_err(within)
 }
 
 fn place_one(input: &mut PatternInput, body: &BodyInput, overrides: &[Option<Override>]) -> Result<Report, Error> {
-    let marks = Landmarks::find(&body.body).map_err(|e| e.within(format!("body \"{}\"", body.name)))?;
-    place(&mut input.pattern, &body.body, &marks, overrides).map_err(|e| e.within(&input.place))
+    let failed = |e: Error| e.coded(Code::PlacingFailed);
+    let marks = Landmarks::find(&body.body).map_err(|e| failed(e).within(format!("body \"{}\"", body.name)))?;
+    place(&mut input.pattern, &body.body, &marks, overrides).map_err(|e| failed(e).within(&input.place))
 }
 
 /// A line for each panel.

@@ -3,6 +3,7 @@
 use super::inputs::{BodyInput, PatternInput};
 use crate::Error;
 use crate::assess::principal_stretches;
+use crate::check::Finding;
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::io::outfit_report::{OutfitGarment, outfit_report};
@@ -24,6 +25,7 @@ pub struct Run<'a> {
     pub fabric: &'a Fabric,
     pub settings: &'a Settings,
     pub warnings: &'a [String],
+    pub findings: &'a [Finding],
     pub outcome: &'a Outcome,
     pub solve: &'a Solve,
 }
@@ -81,6 +83,7 @@ pub fn write(run: &Run, out: &Path, host: impl Fn() -> Host) -> Result<Host, Err
         fabric: run.fabric,
         settings: run.settings,
         warnings: run.warnings,
+        findings: run.findings,
         outcome,
         solve: run.solve,
         host: &host,

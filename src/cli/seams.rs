@@ -4,6 +4,7 @@ use super::arguments::Reading;
 use super::inputs::PatternInput;
 use super::{Failure, Status};
 use crate::Error;
+use crate::io::findings::seam_ease;
 use crate::io::{atomic, dxf, read, seams_svg, seams_toml};
 use crate::pattern::sewing::{SeamEase, SeamPlan, ease_of, plans_of};
 use crate::pattern::suggest::suggest;
@@ -127,12 +128,6 @@ fn table(seams: &[SeamEase]) -> String {
 }
 
 fn json(seams: &[SeamEase]) -> String {
-    let seam = |s: &SeamEase| {
-        serde_json::json!({
-            "name": s.name, "lengths_m": s.lengths, "ease_m": s.length(), "ease_share": s.share(),
-            "longer": s.longer().map(|k| ["first", "second"][k]),
-        })
-    };
-    let all = serde_json::json!({ "seams": seams.iter().map(seam).collect::<Vec<_>>() });
+    let all = serde_json::json!({ "seams": seams.iter().map(seam_ease).collect::<Vec<_>>() });
     format!("{all:#}\n")
 }

@@ -11,9 +11,9 @@ pub use correspondence::{Correspondence, Location};
 pub use level::{Eased, Hinge, Level, PanelRange};
 pub use together::patterns_together;
 
-use crate::Error;
 use crate::geometry::{UnionFind, Vector2, Vector3};
 use crate::pattern::{Pattern, Sense};
+use crate::{Code, Error};
 use level::{RimEdge, panel_edges};
 use order::morton_order;
 use outline::{Outline, Outlines};
@@ -117,6 +117,7 @@ fn check_particle_count(pattern: &Pattern, resolution: f64) -> Result<(), Error>
             MOST_PARTICLES / 1e6
         ),
     )
+    .coded(Code::TooManyParticles)
     .within(format!("panel \"{}\"", pattern.panels[largest].name)))
 }
 
@@ -326,5 +327,6 @@ fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {
         format!("It is narrower than the resolution of {} mm can sew.", level.resolution * 1e3),
         "Ask for finer levels, such as --levels \"20,10,5 mm\".",
     )
+    .coded(Code::PanelTooNarrow)
     .within(format!("panel \"{panel}\"")))
 }

@@ -5,9 +5,9 @@
 //! coarser one keeps some of its samples: corners are kept always, and whatever is a particle on a
 //! level is one on all finer levels.
 
-use crate::Error;
 use crate::geometry::{Vector2, polygon_crossing};
 use crate::pattern::{Pattern, SegmentId, Sense};
+use crate::{Code, Error};
 
 /// The samples of one segment or of the two sides of one seam.
 struct Line {
@@ -81,6 +81,7 @@ impl Outlines {
                         format!("Its outline crosses itself at a resolution of {} mm.", resolution * 1e3),
                         "Straighten the narrow part of the outline, or ask for a finer resolution.",
                     )
+                    .coded(Code::PanelTooNarrow)
                     .within(format!("panel \"{}\"", drawn.name)));
                 }
                 refinements += 1;

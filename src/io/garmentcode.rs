@@ -7,7 +7,7 @@ use crate::geometry::{Vector2, Vector3};
 use crate::pattern::{
     Arc, BodyPart, Curve, Panel, Pattern, Placement, Seam, Segment, SegmentId, SegmentLabel, Sense, Shape,
 };
-use crate::{Error, Warning};
+use crate::{Code, Error, Warning};
 use nalgebra::Rotation3;
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
@@ -120,19 +120,28 @@ pub fn parse(text: &str, name: &str) -> Result<(Pattern, Vec<Warning>), Error> {
             format!("A pattern of more than {MOST_EDGES} edges is taken as damaged; export it again."),
         ));
     }
-    let panels = file
-        .pattern
-        .panels
-        .0
-        .iter()
-        .map(|(panel, raw)| {
-            read_panel(panel, raw, &unit, &mut warnings).map_err(|e| e.within(format!("panel \"{panel}\"")))
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let seams = read_stitches(&file.pattern.stitches, &panels, &mut warnings)?;
+    let mut panels = Vec::new();
+    let mut faults = Vec::new();
+    for (panel, raw) in &file.pattern.panels.0 {
+        match read_panel(panel, raw, &unit, &mut warnings) {
+            Ok(panel) => panels.push(panel),
+            Err(fault) => faults.push(fault.within(format!("panel \"{panel}\""))),
+        }
+    }
+    if let Some(fault) = Error::all(faults) {
+        return Err(fault);
+    }
+    let seams = read_stitches(&file.pattern.stitches, &panels, &mut warnings);
+    let (seams, fault) = match seams {
+        Ok(seams) => (seams, None),
+        Err(fault) => (Vec::new(), Some(fault)),
+    };
     let pattern = Pattern { name: name.to_owned(), panels, seams };
-    pattern.check()?;
-    Ok((pattern, warnings))
+    // What is wrong with the panels does not hide what is wrong with the stitches.
+    match Error::all(pattern.check().err().into_iter().chain(fault)) {
+        Some(fault) => Err(fault),
+        None => Ok((pattern, warnings)),
+    }
 }
 
 fn json_error(error: serde_json::Error) -> Error {
@@ -162,7 +171,8 @@ impl Unit {
                 Error::new(
                     "The file does not name its unit; centimetres are assumed.",
                     "Add \"units_in_meter\": 100 to its properties.",
-                ),
+                )
+                .coded(Code::UnitDoubtful),
             );
             DEFAULT_UNITS_IN_METER
         });
@@ -240,7 +250,8 @@ fn close_loop(edges: &[RawEdge]) -> Result<(), Error> {
                     next.endpoints[0]
                 ),
                 "List the edges in the order of the loop, each from its start to its end.",
-            ));
+            )
+            .coded(Code::OutlineOpen));
         }
     }
     Ok(())
@@ -345,6 +356,7 @@ fn read_stitches(
                     format!("It names panel \"{panel}\", which does not exist."),
                     "Check the spelling of the panel's name.",
                 )
+                .coded(Code::SeamUnknownEdge)
             })?;
             let count = panels[index].segments.len();
             let segment = usize::try_from(*edge).ok().filter(|&k| k < count).ok_or_else(|| {
@@ -352,19 +364,24 @@ fn read_stitches(
                     format!("It names edge {edge} of panel \"{panel}\", which does not exist."),
                     format!("The panel has {count} edges, counted from 0."),
                 )
+                .coded(Code::SeamUnknownEdge)
             })?;
             Ok(SegmentId { panel: index, segment })
         }
         StitchItem::Word(word) => Err(Error::new(
             format!("It has the word \"{word}\" where an edge should be."),
             "A stitch is [{\"panel\": ..., \"edge\": ...}, {\"panel\": ..., \"edge\": ...}].",
-        )),
+        )
+        .coded(Code::SeamUnusable)),
     };
     let mut seams = Vec::with_capacity(stitches.len());
+    let mut faults = Vec::new();
     for (index, stitch) in stitches.iter().enumerate() {
         let at = |e: Error| e.within(format!("stitch {index}"));
         let [a, b, words @ ..] = stitch.as_slice() else {
-            return Err(at(Error::new(format!("It has {} sides.", stitch.len()), "A stitch joins two edges.")));
+            let error = Error::new(format!("It has {} sides.", stitch.len()), "A stitch joins two edges.");
+            faults.push(at(error.coded(Code::SeamWithoutPartner)));
+            continue;
         };
         let mut sense = Sense::Opposed;
         for word in words {
@@ -378,14 +395,16 @@ fn read_stitches(
                     )),
                 ),
                 StitchItem::Side { .. } => {
-                    return Err(at(Error::new(
-                        "It has more than two sides.",
-                        "A stitch joins two edges; split the edges instead.",
-                    )));
+                    let error =
+                        Error::new("It has more than two sides.", "A stitch joins two edges; split the edges instead.");
+                    faults.push(at(error.coded(Code::SeamWithoutPartner)));
                 }
             }
         }
-        seams.push(Seam { sides: [side(a).map_err(at)?, side(b).map_err(at)?], sense });
+        match (side(a), side(b)) {
+            (Ok(a), Ok(b)) => seams.push(Seam { sides: [a, b], sense }),
+            (a, b) => faults.extend([a.err(), b.err()].into_iter().flatten().map(at)),
+        }
     }
-    Ok(seams)
+    Error::all(faults).map_or(Ok(seams), Err)
 }

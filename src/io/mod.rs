@@ -14,6 +14,7 @@ pub mod dxf;
 pub mod embedded;
 pub mod export;
 pub mod fabric_toml;
+pub mod findings;
 pub mod freesewing;
 pub mod garment_obj;
 pub mod garmentcode;

@@ -3,7 +3,7 @@
 use super::dxf::Options;
 use super::{dxf, freesewing, garmentcode, toile_pattern};
 use crate::pattern::Pattern;
-use crate::{Error, Warning};
+use crate::{Code, Error, Warning};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -24,6 +24,20 @@ pub enum Format {
 /// Reads a pattern of any kind. `name` is what the garment is called if the file does not say. What comes out of a drawing
 /// has neither seams nor places; see [`Pattern`].
 pub fn open(bytes: &[u8], name: &str, options: &Options) -> Result<(Pattern, Vec<Warning>), Error> {
+    let (pattern, warnings) = read(bytes, name, options).map_err(|e| e.coded(Code::PatternUnreadable))?;
+    Ok((pattern, warnings.into_iter().map(|w| w.coded(Code::LeftAside)).collect()))
+}
+
+/// Per seam of a pattern file: does it state its ease? Empty where none does; only patterns of toile can.
+pub fn stated_ease(bytes: &[u8]) -> Vec<bool> {
+    match (recognize(bytes), text(bytes)) {
+        (Ok(Format::ToileJson), Ok(text)) => toile_pattern::stated_ease_json(text),
+        (Ok(Format::ToileToml), Ok(text)) => toile_pattern::stated_ease_toml(text),
+        _ => Vec::new(),
+    }
+}
+
+fn read(bytes: &[u8], name: &str, options: &Options) -> Result<(Pattern, Vec<Warning>), Error> {
     let format = recognize(bytes)?;
     let (pattern, mut warnings) = match format {
         Format::Dxf => dxf::parse(bytes, name, options)?,

@@ -5,9 +5,11 @@
 //! changes its meaning or goes, the version grows. `docs/formats.md` tells them one by one.
 
 use super::fabric_toml::figures;
+use super::findings::{FindingPart, finding_part};
 use super::settings_toml::{bending_word, finish_line_word, membrane_word, minimizer_word};
 use crate::assess::{Assessment, Check, Strain, Tight, hand_off};
 use crate::body::Alignment;
+use crate::check::Finding;
 use crate::energy::Terms;
 use crate::geometry::Vector3;
 use crate::minimize::Termination;
@@ -35,6 +37,8 @@ pub struct RunFacts<'a> {
     pub settings: &'a Settings,
     /// What was doubtful about the input.
     pub warnings: &'a [String],
+    /// The same with codes and places.
+    pub findings: &'a [Finding],
     pub outcome: &'a Outcome,
     pub solve: &'a Solve,
     pub host: &'a Host,
@@ -84,6 +88,8 @@ pub struct Report {
     pub settings: SettingsPart,
     pub fabric: FabricPart,
     pub warnings: Vec<String>,
+    /// The same with codes and places.
+    pub findings: Vec<FindingPart>,
     pub hand_off_ready: bool,
     pub hand_off_checks: Vec<Check>,
     /// How the finest level ended.
@@ -325,6 +331,7 @@ pub fn report(run: &RunFacts) -> Report {
         settings: settings_part(run.settings),
         fabric: FabricPart { name: run.fabric.name.clone(), figures: figures(run.fabric).into_iter().collect() },
         warnings: run.warnings.to_vec(),
+        findings: run.findings.iter().map(|finding| finding_part(finding, &[])).collect(),
         hand_off_ready: checks.iter().all(|check| check.passed),
         hand_off_checks: checks,
         termination: termination_word(outcome.termination()),
@@ -544,6 +551,7 @@ mod tests {
             fabric: &Fabric::default(),
             settings: &Settings::default(),
             warnings: &["panel \"front\": odd".to_owned()],
+            findings: &[],
             outcome: &outcome,
             solve,
             host,

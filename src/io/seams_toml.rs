@@ -3,10 +3,10 @@
 use super::length;
 use super::stretch_text;
 use super::toml_keys::{Keys, quoted, remedy_for_key};
-use crate::Error;
 use crate::pattern::sewing::{Ease, Resolved, SeamPlan, Stretch, resolve};
 use crate::pattern::suggest::Suggestion;
 use crate::pattern::{Pattern, Sense};
+use crate::{Code, Error};
 
 /// More seams or stretches than any garment has; a file with more is damaged.
 const MOST_SEAMS: usize = 5_000;
@@ -27,18 +27,25 @@ pub fn parse(text: &str, pattern: &Pattern) -> Result<Vec<SeamPlan>, Error> {
         ));
     }
     let mut plans: Vec<SeamPlan> = Vec::with_capacity(tables.len());
+    let mut faults = Vec::new();
     for (keys, line) in &tables {
-        let plan = read_seam(keys, line, pattern)?;
+        let plan = match read_seam(keys, line, pattern) {
+            Ok(plan) => plan,
+            Err(fault) => {
+                faults.push(fault);
+                continue;
+            }
+        };
         if let Some(other) = plans.iter().find(|other| other.name == plan.name) {
-            return Err(plan.complain(
+            faults.push(plan.complain(
                 format!("The seam of {} has the same name.", other.place),
                 "Give every seam a name of its own, or none.",
             ));
         }
         plans.push(plan);
     }
-    crate::pattern::sewing::check_overlaps(pattern, &plans)?;
-    Ok(plans)
+    faults.extend(crate::pattern::sewing::check_overlaps(pattern, &plans).err());
+    Error::all(faults).map_or(Ok(plans), |fault| Err(fault.coded(Code::SeamUnusable)))
 }
 
 /// Sews a pattern by the text of its file of seams, instead of the seams it has.
@@ -61,7 +68,8 @@ fn read_seam(keys: &Keys, line: &str, pattern: &Pattern) -> Result<SeamPlan, Err
         let e = Error::new(
             format!("The seam has {} sides.", lists.len()),
             "A seam has two sides, each a text or a list of texts.",
-        );
+        )
+        .coded(Code::SeamWithoutPartner);
         return Err(within("sides", e));
     };
     let side = |texts: &Vec<&str>| -> Result<Vec<Stretch>, Error> {

@@ -11,9 +11,9 @@
 
 use super::length;
 use super::toml_keys::remedy_for_key;
-use crate::Error;
 use crate::pattern::Pattern;
 use crate::pattern::sewing::Stretch;
+use crate::{Code, Error};
 
 const FORM: &str = "Write \"PANEL:3\", \"PANEL:2+3\", \"PANEL:3 from notch 1 to end\" or \"PANEL:corner 2 to notch 0\"; `toile seams show` draws the numbers.";
 
@@ -27,7 +27,8 @@ pub fn parse(text: &str, pattern: &Pattern) -> Result<Stretch, Error> {
     };
     let Some(index) = pattern.panels.iter().position(|p| p.name == panel) else {
         let names: Vec<&str> = pattern.panels.iter().map(|p| p.name.as_str()).collect();
-        return Err(Error::new(format!("The pattern has no panel \"{}\".", cut(panel)), remedy_for_key(panel, &names)));
+        let error = Error::new(format!("The pattern has no panel \"{}\".", cut(panel)), remedy_for_key(panel, &names));
+        return Err(error.coded(Code::SeamUnknownEdge));
     };
     let outline = Outline { pattern, index };
     let words: Vec<String> = run.to_lowercase().replace('%', " % ").split_whitespace().map(str::to_owned).collect();
@@ -146,7 +147,8 @@ impl Outline<'_> {
         Err(Error::new(
             format!("It names {what} {number} of panel \"{panel}\", which does not exist."),
             format!("The panel {has}; `toile seams show` draws the numbers."),
-        ))
+        )
+        .coded(Code::SeamUnknownEdge))
     }
 
     fn mark(&self, words: &[&str]) -> Result<Place, Error> {

@@ -390,11 +390,24 @@ fn pattern_of(file: File, name: &str) -> Result<(Pattern, Vec<Warning>), Error> 
                 ),
                 "Correct the outline or the figure; the sides are sewn as they are drawn.",
             );
-            Warning(error.within(seam_place(declared, k)))
+            Warning(error.coded(crate::Code::EaseNotAsStated).within(seam_place(declared, k)))
         })
     });
     let warnings = warnings.collect();
     Ok((pattern, warnings))
+}
+
+/// Per seam: does it state its ease? Empty for what cannot be read.
+pub fn stated_ease_json(text: &str) -> Vec<bool> {
+    serde_json::from_str(text.trim_start_matches('\u{feff}')).map_or_else(|_| Vec::new(), |file| stated_ease(&file))
+}
+
+pub fn stated_ease_toml(text: &str) -> Vec<bool> {
+    toml::from_str(text.trim_start_matches('\u{feff}')).map_or_else(|_| Vec::new(), |file| stated_ease(&file))
+}
+
+fn stated_ease(file: &File) -> Vec<bool> {
+    file.seams.iter().map(|seam| seam.ease.is_some()).collect()
 }
 
 fn seam_place(seam: &FileSeam, index: usize) -> String {
@@ -424,14 +437,16 @@ fn side_of(side: &FileSide, index_of: &HashMap<&str, usize>, panels: &[Panel]) -
         return Err(Error::new(
             format!("It names panel \"{}\", which does not exist.", side.panel),
             "Check the spelling of the panel's name.",
-        ));
+        )
+        .coded(crate::Code::SeamUnknownEdge));
     };
     let count = panels[panel].segments.len();
     if side.segment >= count {
         return Err(Error::new(
             format!("It names segment {} of panel \"{}\", which does not exist.", side.segment, side.panel),
             format!("The panel has {count} segments, counted from 0."),
-        ));
+        )
+        .coded(crate::Code::SeamUnknownEdge));
     }
     Ok(SegmentId { panel, segment: side.segment })
 }

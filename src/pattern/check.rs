@@ -1,9 +1,9 @@
 //! All that would make it impossible to build a garment from a pattern.
 
 use super::{Panel, Pattern, Placement, SegmentId};
-use crate::Error;
 use crate::geometry::Vector2;
-use std::collections::HashMap;
+use crate::{Code, Error};
+use std::collections::{HashMap, HashSet};
 
 /// A segment shorter than this is a slip of the drawing, m: a hundredth of a millimetre.
 const SHORTEST_SEGMENT: f64 = 1e-5;
@@ -15,51 +15,72 @@ const LARGEST_EXTENT: f64 = 20.0;
 const CLOSING_TOLERANCE: f64 = 1e-6;
 
 impl Pattern {
-    /// The first fault that keeps the pattern from being sewn.
+    /// All that keeps the pattern from being sewn: the first fault, which carries the others.
     pub fn check(&self) -> Result<(), Error> {
         if self.panels.is_empty() {
-            return Err(Error::new("The pattern has no panels.", "Export it again with its panels."));
+            return Err(
+                Error::new("The pattern has no panels.", "Export it again with its panels.").coded(Code::NoPanels)
+            );
         }
-        let mut names: HashMap<&str, usize> = HashMap::new();
+        let mut faults = Vec::new();
+        let mut names: HashSet<&str> = HashSet::new();
         for panel in &self.panels {
-            check_name(&panel.name)?;
-            if names.insert(&panel.name, 0).is_some() {
-                return Err(Error::new(
-                    format!("Two panels are named \"{}\".", panel.name),
-                    "Give every panel a name of its own.",
-                ));
+            faults.extend(check_name(&panel.name).err());
+            if !names.insert(&panel.name) {
+                faults.push(
+                    Error::new(
+                        format!("Two panels are named \"{}\".", panel.name),
+                        "Give every panel a name of its own.",
+                    )
+                    .coded(Code::NameTwice),
+                );
             }
-            panel.check().map_err(|e| e.within(format!("panel \"{}\"", panel.name)))?;
+            faults.extend(panel.check().map_err(|e| e.within(format!("panel \"{}\"", panel.name))).err());
         }
-        self.check_seams()
+        self.check_seams(&mut faults);
+        Error::all(faults).map_or(Ok(()), Err)
     }
 
-    fn check_seams(&self) -> Result<(), Error> {
+    fn check_seams(&self, faults: &mut Vec<Error>) {
         let mut sewn: HashMap<SegmentId, usize> = HashMap::new();
         for (index, seam) in self.seams.iter().enumerate() {
-            let at = |e: Error| e.within(format!("stitch {index}"));
+            let mut fault = |e: Error| faults.push(e.within(format!("stitch {index}")));
             for side in seam.sides {
                 let Some(panel) = self.panels.get(side.panel) else {
-                    return Err(at(Error::new(
-                        format!("It names panel number {}, which does not exist.", side.panel),
-                        format!("The pattern has {} panels, counted from 0.", self.panels.len()),
-                    )));
+                    fault(
+                        Error::new(
+                            format!("It names panel number {}, which does not exist.", side.panel),
+                            format!("The pattern has {} panels, counted from 0.", self.panels.len()),
+                        )
+                        .coded(Code::SeamUnknownEdge),
+                    );
+                    continue;
                 };
                 if side.segment >= panel.segments.len() {
-                    return Err(at(Error::new(
-                        format!("It names edge {} of panel \"{}\", which does not exist.", side.segment, panel.name),
-                        format!("The panel has {} edges, counted from 0.", panel.segments.len()),
-                    )));
-                }
-                if let Some(other) = sewn.insert(side, index) {
-                    return Err(at(Error::new(
-                        format!("Edge {} of panel \"{}\" is already sewn by stitch {other}.", side.segment, panel.name),
-                        "Sew every edge once; split the edge where different parts of it meet different edges.",
-                    )));
+                    fault(
+                        Error::new(
+                            format!(
+                                "It names edge {} of panel \"{}\", which does not exist.",
+                                side.segment, panel.name
+                            ),
+                            format!("The panel has {} edges, counted from 0.", panel.segments.len()),
+                        )
+                        .coded(Code::SeamUnknownEdge),
+                    );
+                } else if let Some(other) = sewn.insert(side, index) {
+                    fault(
+                        Error::new(
+                            format!(
+                                "Edge {} of panel \"{}\" is already sewn by stitch {other}.",
+                                side.segment, panel.name
+                            ),
+                            "Sew every edge once; split the edge where different parts of it meet different edges.",
+                        )
+                        .coded(Code::EdgeSewnTwice),
+                    );
                 }
             }
         }
-        Ok(())
     }
 }
 
@@ -70,7 +91,8 @@ fn check_name(name: &str) -> Result<(), Error> {
         return Err(Error::new(
             format!("A panel is named \"{}\".", name.escape_debug()),
             "Give every panel a name of its own, one line of text without control characters.",
-        ));
+        )
+        .coded(Code::NameUnusable));
     }
     Ok(())
 }
@@ -81,33 +103,42 @@ impl Panel {
             return Err(Error::new(
                 format!("The outline has {} edges.", self.segments.len()),
                 "An outline needs at least two edges that close a loop.",
-            ));
+            )
+            .coded(Code::OutlineOpen));
         }
-        for (k, segment) in self.segments.iter().enumerate() {
-            if !segment.curve.is_finite() {
-                let error = Error::new("It has a coordinate that is not a number.", "Export the panel again.");
-                return Err(error.within(format!("edge {k}")));
-            }
+        let edges = || (0..).zip(&self.segments);
+        let at = |k: usize, e: Error| e.within(format!("edge {k}"));
+        let unusable = |k: usize| {
+            let error = Error::new("It has a coordinate that is not a number.", "Export the panel again.");
+            at(k, error.coded(Code::NumberUnusable))
+        };
+        // What comes of one fault is no further fault: the outline is looked at as a whole where its edges are sound.
+        let mut faults: Vec<Error> =
+            edges().filter(|(_, segment)| !segment.curve.is_finite()).map(|(k, _)| unusable(k)).collect();
+        if let Some(fault) = Error::all(std::mem::take(&mut faults)) {
+            return Err(fault);
         }
         // Before any length: measuring a curve of a light-year to a nanometre takes for ever.
         self.check_extent()?;
-        for (k, segment) in self.segments.iter().enumerate() {
-            let at = |e: Error| e.within(format!("edge {k}"));
+        for (k, segment) in edges() {
             let next = &self.segments[(k + 1) % self.segments.len()];
             if (segment.curve.end - next.curve.start).norm() > CLOSING_TOLERANCE {
-                return Err(at(Error::new(
+                let error = Error::new(
                     "The outline is open: the next edge does not start where this one ends.",
                     "List the edges in the order of the loop, each from its start to its end.",
-                )));
+                );
+                faults.push(at(k, error.coded(Code::OutlineOpen)));
             }
             let chord = (segment.curve.end - segment.curve.start).norm();
             // Long curves are not measured: it takes time.
             if chord < SHORTEST_SEGMENT && segment.curve.length() < SHORTEST_SEGMENT {
-                return Err(at(Error::new(
-                    "The edge has no length.",
-                    "Remove it and let its neighbours meet in one corner.",
-                )));
+                let error =
+                    Error::new("The edge has no length.", "Remove it and let its neighbours meet in one corner.");
+                faults.push(at(k, error.coded(Code::EdgeWithoutLength)));
             }
+        }
+        if let Some(fault) = Error::all(faults) {
+            return Err(fault);
         }
         if let Some((i, j)) = self.crossing_segments() {
             let place = if i == j {
@@ -115,13 +146,15 @@ impl Panel {
             } else {
                 format!("Edges {i} and {j} cross each other.")
             };
-            return Err(Error::new(place, "Redraw the outline so that it encloses one area without crossing itself."));
+            let remedy = "Redraw the outline so that it encloses one area without crossing itself.";
+            return Err(Error::new(place, remedy).coded(Code::OutlineCrosses));
         }
         if self.signed_area().abs() < SMALLEST_PANEL {
             return Err(Error::new(
                 format!("The outline encloses {:.2} mm².", self.signed_area().abs() * 1e6),
                 "Check the outline and the unit of the pattern.",
-            ));
+            )
+            .coded(Code::PanelWithoutArea));
         }
         Ok(())
     }
@@ -141,7 +174,8 @@ impl Panel {
             return Err(Error::new(
                 "The placement is not finite.",
                 "Give the translation and rotation as plain numbers.",
-            ));
+            )
+            .coded(Code::NumberUnusable));
         }
         let near = |farthest: f64| {
             if farthest <= LARGEST_EXTENT {
@@ -150,7 +184,8 @@ impl Panel {
             Err(Error::new(
                 format!("The panel reaches {farthest:.1} m from the origin."),
                 "Check the unit of the pattern: lengths are divided by `units_in_meter`, 100 for centimetres.",
-            ))
+            )
+            .coded(Code::TooFar))
         };
         let farthest = |points: &mut dyn Iterator<Item = Vector2>| points.map(|p| p.norm()).fold(shift, f64::max);
         near(farthest(&mut self.segments.iter().flat_map(|s| s.curve.control_points())))?;

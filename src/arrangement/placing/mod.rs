@@ -186,6 +186,7 @@ fn puzzled(pattern: &Pattern, panels: &[usize]) -> Warning {
             format!("What these panels are to enclose cannot be told from their openings: {}{more}.", names.join(", ")),
             "Check their seams, and tell where they belong in an arrangement file.",
         )
+        .coded(crate::Code::PlacingDoubtful)
         .within("placing"),
     )
 }

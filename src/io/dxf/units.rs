@@ -49,7 +49,9 @@ pub fn guess(extent: f64, said: Option<&str>) -> (Unit, Warning) {
         ),
         "If that is wrong, give --unit mm, cm, in or m.",
     );
-    (unit, Warning(warning))
+    // A unit that the file gives and that fits is no doubt, but worth a look: programs write wrong ones.
+    let certain = doubt.is_empty() && said.is_some();
+    (unit, Warning(if certain { warning } else { warning.coded(crate::Code::UnitDoubtful) }))
 }
 
 #[cfg(test)]

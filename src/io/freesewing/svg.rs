@@ -58,10 +58,13 @@ fn scale(document: &Document, warnings: &mut Vec<Warning>) -> Result<f64, Error>
             Err(Error::new(format!("A unit of the drawing is {scale} mm."), "Check `width` and `viewBox` of the SVG."))
         }
         _ => {
-            warnings.push(Warning(Error::new(
-                "The SVG does not give its width in mm; a unit of the drawing is taken for a millimetre.",
-                "Export it from FreeSewing without changing its size.",
-            )));
+            warnings.push(Warning(
+                Error::new(
+                    "The SVG does not give its width in mm; a unit of the drawing is taken for a millimetre.",
+                    "Export it from FreeSewing without changing its size.",
+                )
+                .coded(crate::Code::UnitDoubtful),
+            ));
             Ok(1.0)
         }
     }

@@ -10,9 +10,9 @@
 
 use super::evidence::{SidePath, Travelled, cost};
 use super::{Measured, SeamPlan, Stretch};
-use crate::Warning;
 use crate::geometry::UnionFind;
 use crate::pattern::{Pattern, Sense};
+use crate::{Code, Warning};
 use std::collections::BTreeMap;
 
 /// What was found.
@@ -354,12 +354,14 @@ impl<'a> Problem<'a> {
             found.warnings.push(Warning(plan.complain(
                 format!("Its direction is stated as \"{way}\", which contradicts the other seams: sewn so, the right side of the fabric meets the wrong side."),
                 "Leave `direction` out and it is found; or write `right_wrong = true` if the one panel is to be folded over the other. It is sewn as stated.",
-            )));
+            )
+            .coded(Code::DirectionContradicted)));
         } else if plan.direction.is_none() && own - other > TWISTED {
             found.warnings.push(Warning(plan.complain(
                 "It looks twisted: its ends would fit better the other way, but then the right side of the fabric would meet the wrong side.",
                 "Look whether it sews the right edges (`toile seams show`); if one panel is to be folded over the other, write `right_wrong = true`.",
-            )));
+            )
+            .coded(Code::SeamTwisted)));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::SeamPlan;
 use crate::pattern::Pattern;
-use crate::{Error, Warning};
+use crate::{Code, Error, Warning};
 
 /// A stated ease: how much longer the longer side is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub(super) fn doubts(pattern: &Pattern, plans: &[SeamPlan]) -> Vec<Warning> {
                 ),
                 remedy,
             );
-            Warning(error)
+            Warning(error.coded(Code::EaseNotAsStated))
         })
     };
     plans.iter().zip(ease_of(pattern, plans)).filter_map(doubt).collect()

@@ -14,8 +14,8 @@ pub use ease::{Ease, SeamEase, ease_of};
 pub use resolve::{Resolved, resolve};
 
 use super::{Pattern, Seam, SegmentId, Sense};
-use crate::Error;
 use crate::geometry::Vector2;
+use crate::{Code, Error};
 
 /// A seam as it is meant, before the outlines are cut to fit it.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,10 +143,12 @@ pub fn check_overlaps(pattern: &Pattern, plans: &[SeamPlan]) -> Result<(), Error
             } else {
                 format!("already by the seam \"{}\"", plans[first].name)
             };
-            return Err(plans[second].complain(
-                format!("Edge {} of panel \"{panel}\" is sewn {twice}.", a.id.segment),
-                "Sew every edge once; where parts of it meet different edges, give each part with `from` and `to`.",
-            ));
+            return Err(plans[second]
+                .complain(
+                    format!("Edge {} of panel \"{panel}\" is sewn {twice}.", a.id.segment),
+                    "Sew every edge once; where parts of it meet different edges, give each part with `from` and `to`.",
+                )
+                .coded(Code::EdgeSewnTwice));
         }
     }
     Ok(())

@@ -12,6 +12,8 @@ pub struct Resolved {
     pub pattern: Pattern,
     /// Per seam of the pattern: its plan. A plan makes as many seams as its sides have pieces.
     pub plan_of_seam: Vec<usize>,
+    /// Per seam of the pattern: does its plan state an ease?
+    pub eased: Vec<bool>,
     /// Per panel and segment of the pattern: the part of which drawn segment it is.
     pub drawn: Vec<Vec<super::Part>>,
     /// Per panel: was it turned over?
@@ -47,6 +49,7 @@ pub fn resolve(pattern: &Pattern, plans: &[SeamPlan]) -> Result<Resolved, Error>
         for (&a, &b) in pieces[0].iter().zip(&pieces[1]) {
             resolved.pattern.seams.push(joined([a, b], &resolved.pattern, &directions));
             resolved.plan_of_seam.push(index);
+            resolved.eased.push(plans[index].ease.is_some());
         }
     }
     resolved.warnings = ease::doubts(pattern, plans);
@@ -247,7 +250,14 @@ fn cut(pattern: &Pattern, plans: &[SeamPlan], cuts: &Cuts, directions: &Directio
         }
         drawn.push(parts);
     }
-    Resolved { pattern: made, plan_of_seam: Vec::new(), drawn, turned: directions.turned.clone(), warnings: Vec::new() }
+    Resolved {
+        pattern: made,
+        plan_of_seam: Vec::new(),
+        eased: Vec::new(),
+        drawn,
+        turned: directions.turned.clone(),
+        warnings: Vec::new(),
+    }
 }
 
 impl Resolved {
