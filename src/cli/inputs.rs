@@ -42,7 +42,7 @@ impl PatternInput {
                 .within(seams.display()),
             ));
         }
-        for (panel, _) in input.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
+        for (panel, _) in sewn.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
             input.warnings.push(Warning(
                 Error::new(
                     "The panel is turned over, so that the right sides of all panels lie outside.",
