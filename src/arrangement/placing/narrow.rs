@@ -18,8 +18,8 @@ const EASE: f64 = 1.1;
 /// The farthest that a piece is moved for it, m: what is longer is meant to be.
 const FARTHEST: f64 = 0.3;
 
-/// Moves sleeves up their arms, and what hangs from a waist up, until narrow openings end at wrists and ankles. Panels whose
-/// place was asked for stay.
+/// Moves sleeves up their arms, and what hangs from a waist up, until narrow openings end at wrists and ankles; by how much the
+/// latter, m. Panels whose place was asked for stay.
 pub fn free_hands_and_feet(
     surface: &Surface,
     figure: &Figure,
@@ -28,7 +28,7 @@ pub fn free_hands_and_feet(
     overrides: &[Option<Override>],
     (panels, draft): (&[usize], &Draft),
     moves: &mut [Vector3],
-) {
+) -> f64 {
     let marks = figure.marks;
     let hangs = draft.openings.iter().any(|(_, opening)| *opening == Opening::Top);
     let mut lift: f64 = 0.0;
@@ -65,9 +65,11 @@ pub fn free_hands_and_feet(
             }
         }
     }
-    if panels.iter().all(|&panel| overrides[panel].is_none()) {
-        panels.iter().for_each(|&panel| moves[panel].y += lift);
+    if panels.iter().any(|&panel| overrides[panel].is_some()) {
+        return 0.0;
     }
+    panels.iter().for_each(|&panel| moves[panel].y += lift);
+    lift
 }
 
 /// The girth, m, of what of a limb lies beyond a point, seen along a direction.

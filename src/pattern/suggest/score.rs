@@ -1,6 +1,7 @@
 //! What speaks for and against sewing two segments together.
 
 use super::names::{Part, Role, role, together};
+use super::symmetry::Symmetry;
 use crate::geometry::{Vector2, Vector3};
 use crate::pattern::sewing::Measured;
 use crate::pattern::sewing::evidence::corner_angle;
@@ -8,6 +9,8 @@ use crate::pattern::{BodyPart, NotchKind, Pattern, SegmentId, SegmentLabel};
 
 /// Points at which segments are compared.
 const PROBES: usize = 5;
+/// A seam in the middle of front or back leans by less: the outside of its edges points aside by at least this share.
+const UPRIGHT: f64 = 0.7;
 
 /// What is known of one segment.
 struct Edge {
@@ -31,9 +34,12 @@ struct Edge {
 /// All segments of a pattern.
 pub struct Edges<'p> {
     pattern: &'p Pattern,
+    measured: Measured,
     pub ids: Vec<SegmentId>,
     edges: Vec<Edge>,
     roles: Vec<Role>,
+    /// Per segment: its mirror image in the drawing.
+    mirror: Vec<Option<usize>>,
     /// Per panel: index of its first segment.
     first: Vec<usize>,
     /// Per panel: its middle in the world.
@@ -47,15 +53,20 @@ pub struct Scored {
     pub b: usize,
     pub score: f64,
     pub reasons: Vec<String>,
+    /// Both are upper edges: shoulders, or two waists, which the seams beside them tell.
+    pub is_upper: bool,
 }
 
 impl<'p> Edges<'p> {
     pub fn new(pattern: &'p Pattern) -> Self {
         let measured = Measured::new(pattern);
+        let symmetry = Symmetry::new(pattern, &measured);
         let mut made = Self {
             pattern,
+            measured: Measured::new(pattern),
             ids: Vec::new(),
             edges: Vec::new(),
+            mirror: Vec::new(),
             roles: pattern.panels.iter().map(|p| role(&p.name)).collect(),
             first: Vec::new(),
             middle: Vec::new(),
@@ -98,7 +109,62 @@ impl<'p> Edges<'p> {
             }
             made.middle.push(middle);
         }
+        let image = |&id: &SegmentId| symmetry.image(id).map(|there| made.first[there.panel] + there.segment);
+        made.mirror = made.ids.iter().map(image).collect();
         made
+    }
+
+    /// Is any panel without a place around the body?
+    pub fn are_drawn(&self) -> bool {
+        self.edges.iter().any(|edge| edge.points.is_none())
+    }
+
+    pub fn mirror(&self, edge: usize) -> Option<usize> {
+        self.mirror[edge]
+    }
+
+    pub fn role(&self, edge: usize) -> Role {
+        self.roles[self.ids[edge].panel]
+    }
+
+    pub fn length(&self, edge: usize) -> f64 {
+        self.edges[edge].length
+    }
+
+    pub fn bulge(&self, edge: usize) -> f64 {
+        self.edges[edge].bulge
+    }
+
+    /// The height in the drawing at a fraction of a segment, m.
+    pub fn height(&self, edge: usize, fraction: f64) -> f64 {
+        self.measured.point(self.ids[edge], fraction).y
+    }
+
+    pub fn notches_of(&self, edge: usize) -> &[(f64, NotchKind)] {
+        &self.edges[edge].notches
+    }
+
+    /// Does the outline of its panel run clockwise?
+    pub fn is_clockwise(&self, edge: usize) -> bool {
+        self.edges[edge].normal.z < 0.0
+    }
+
+    /// Out of the panel across a segment, as drawn, seen with the right side up: what is left then is left.
+    pub fn outwards(&self, edge: usize) -> Vector2 {
+        let edge = &self.edges[edge];
+        Vector2::new(edge.outwards.x * edge.normal.z.signum(), edge.outwards.y)
+    }
+
+    /// The segments beside one along its outline: the one before and the one after.
+    pub fn beside(&self, edge: usize) -> [usize; 2] {
+        let id = self.ids[edge];
+        let (first, count) = (self.first[id.panel], self.pattern.panels[id.panel].segments.len());
+        [first + (id.segment + count - 1) % count, first + (id.segment + 1) % count]
+    }
+
+    /// Are these of one part of the garment, as far as names tell?
+    pub fn same_part(&self, a: usize, b: usize) -> bool {
+        self.part(a) == self.part(b)
     }
 
     /// The corners that a seam would join, by the index of the segment that starts there.
@@ -112,7 +178,7 @@ impl<'p> Edges<'p> {
     }
 
     pub fn score(&self, a: usize, b: usize) -> Scored {
-        let mut made = Scored { a, b, score: 0.0, reasons: Vec::new() };
+        let mut made = Scored { a, b, score: 0.0, reasons: Vec::new(), is_upper: false };
         let (ea, eb) = (&self.edges[a], &self.edges[b]);
         let (panel_a, panel_b) = (self.ids[a].panel, self.ids[b].panel);
         let ratio = ea.length.min(eb.length) / ea.length.max(eb.length);
@@ -165,25 +231,36 @@ impl<'p> Edges<'p> {
     fn within_panel(&self, made: &mut Scored, ratio: f64) {
         /// A dart turns the outline back into the panel by more than this, radians.
         const DART: f64 = 1.25 * std::f64::consts::PI;
+        /// In a drawing, where pockets and vents are notched as well.
+        const DRAWN_DART: f64 = 1.6 * std::f64::consts::PI;
         let count = self.pattern.panels[self.ids[made.a].panel].segments.len();
         let (i, j) = (self.ids[made.a].segment, self.ids[made.b].segment);
         let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
         let straight = ea.curved.max(eb.curved) < 0.1;
+        let drawn = ea.points.is_none();
+        let dart = if drawn { DRAWN_DART } else { DART };
         let tip = if j == i + 1 { Some(ea.angles[1]) } else { (i == 0 && j == count - 1).then_some(ea.angles[0]) };
         match tip {
-            Some(angle) if angle > DART && ratio > 0.95 && straight && count > 3 => {
+            Some(angle) if angle > dart && ratio > 0.95 && straight && count > 3 => {
                 made.score = 6.0;
                 made.reasons.push("a dart: equal legs".to_owned());
             }
             Some(_) => made.score = -9.0,
             None => {
                 // A sleeve in one piece closes under the arm.
-                let sleeve = matches!(self.part(made.a), Some(Part::Sleeve | Part::Cuff));
+                let panel = self.ids[made.a].panel;
+                let band = drawn && self.is_band(panel);
+                let part = self.part(made.a);
+                let sleeve = part == Some(Part::Sleeve) || part == Some(Part::Cuff) && !band;
                 let alike = ratio > 0.97 && (ea.bulge - eb.bulge).abs() < 0.02 && ea.bulge.abs() < 0.08;
                 let one_piece = self.roles[self.ids[made.a].panel].face.is_none();
+                let ends = ea.length.max(eb.length) < 0.3 * 0.5 * self.pattern.panels[panel].perimeter();
                 if sleeve && alike && one_piece && count <= 8 {
                     made.score = 2.5 + self.corners(ea, eb);
                     made.reasons.push("equal lengths on one sleeve, which closes to a tube".to_owned());
+                } else if band && ends && matches!(part, Some(Part::Waistband | Part::Cuff)) {
+                    made.score = 2.5;
+                    made.reasons.push("the ends of a band".to_owned());
                 } else {
                     made.score = -9.0;
                 }
@@ -228,6 +305,67 @@ impl<'p> Edges<'p> {
             made.score -= 2.5;
         }
         self.labels(made);
+        self.drawn(made);
+    }
+
+    /// Drawings stand upright, and garments are alike on both sides.
+    fn drawn(&self, made: &mut Scored) {
+        /// Never.
+        const NOT: f64 = -9.0;
+        /// What an edge whose outside points up, down or aside at least has there.
+        const MOSTLY: f64 = 0.8;
+        /// Concave by more than a waist or an inner leg: armholes, necklines.
+        const SCOOPED: f64 = -0.12;
+        /// Lengths that differ by more are no evidence, unless names go together so well.
+        const ALIKE: f64 = 0.9;
+        const KNOWN: f64 = 0.9;
+        /// Equal lengths of mirror images are no evidence.
+        const IMAGES: f64 = -1.2;
+        let (a, b) = (made.a, made.b);
+        let (panel_a, panel_b) = (self.ids[a].panel, self.ids[b].panel);
+        let [out_a, out_b] = [a, b].map(|edge| self.outwards(edge));
+        if self.mirror[a].is_some_and(|image| self.ids[image].panel == panel_b) {
+            let limb = matches!(self.part(a), Some(Part::Sleeve | Part::Cuff));
+            let center = self.mirror[a] == Some(b) && out_a.x.abs() > UPRIGHT && !limb;
+            // The seam is long; below it there may be a vent.
+            let share = 2.0 * self.edges[a].length / self.pattern.panels[panel_a].perimeter();
+            made.score = if center && !self.is_band(panel_a) { made.score + IMAGES + share } else { NOT };
+            made.reasons = vec!["the middle between a panel and its mirror image".to_owned()];
+            return;
+        }
+        // What is gathered is told by its name, or runs along several edges.
+        let lengths = [a, b].map(|edge| self.edges[edge].length);
+        let together = together(&self.roles[panel_a], &self.roles[panel_b]);
+        if lengths[0].min(lengths[1]) < ALIKE * lengths[0].max(lengths[1]) && together < KNOWN {
+            made.score -= 4.0;
+        }
+        let part = self.part(a);
+        // Sleeves and hoods are drawn in any way.
+        if !self.same_part(a, b) || matches!(part, Some(Part::Sleeve | Part::Cuff | Part::Hood | Part::Collar)) {
+            return;
+        }
+        let is_middle = |edge: usize| self.mirror[edge] == Some(edge);
+        let hems = out_a.y < -MOSTLY && out_b.y < -MOSTLY;
+        let scooped = self.edges[a].bulge < SCOOPED && self.edges[b].bulge < SCOOPED;
+        if is_middle(a) && is_middle(b) || hems || scooped || out_a.y * out_b.y < -0.5 {
+            made.score = NOT;
+            return;
+        }
+        made.is_upper = out_a.y > MOSTLY && out_b.y > MOSTLY;
+        if self.faces_differ(made) {
+            // Seen from outside, a front's left is sewn to a back's right.
+            made.score += if out_a.x * out_b.x < 0.0 { 0.5 } else { -3.0 };
+        }
+    }
+
+    /// A strip: four edges, two of them several times as long as the others.
+    fn is_band(&self, panel: usize) -> bool {
+        const LONG: f64 = 2.4;
+        let first = self.first[panel];
+        let count = self.pattern.panels[panel].segments.len();
+        let lengths = self.edges[first..first + count].iter().map(|edge| edge.length);
+        let (low, high) = lengths.fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
+        count == 4 && high > LONG * low
     }
 
     fn faces_differ(&self, made: &Scored) -> bool {
