@@ -11,7 +11,7 @@ import tomllib
 
 GARMENTS = [("teagan", "T-shirt"), ("penelope", "pencil skirt"), ("titan", "trouser block"),
             ("brian", "body block"), ("aaron", "tank top")]
-WIDTH = 700  # of a picture, pixels
+WIDTH = 600  # of a picture, pixels
 
 
 def seams(file):
@@ -57,7 +57,7 @@ def main():
 
             picture = Image.open(preview).convert("RGB")
             picture = picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)), Image.LANCZOS)
-            picture.quantize(160).save(os.path.join(home, "docs/pictures/drafts_%s.png" % name), optimize=True)
+            picture.save(os.path.join(home, "docs/pictures/drafts_%s.png" % name), optimize=True)
             pictures.append("### %s: `%s`\n\n![%s on the body, from the front, at three quarters, from the back](pictures/drafts_%s.png)\n" % (
                 what.capitalize(), name, what.capitalize(), name))
     commit = subprocess.run(["git", "-C", home, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()

@@ -94,7 +94,7 @@ fn a_tee_and_trousers_are_worn_as_drafted() {
         let mut pattern = seams_toml::sew(&pattern, &seams).unwrap().pattern;
         let none = vec![None; pattern.panels.len()];
         place(&mut pattern, &body, &Landmarks::find(&body).unwrap(), &none).unwrap();
-        let settings = Settings::for_resolution(0.03);
+        let settings = Settings::for_resolution(0.02);
         let outcome = preposition(&pattern, &Fabric::default(), &body, &settings, &mut ()).unwrap();
         let crossings = &outcome.assessment.intersections;
         assert_eq!((crossings.body_pairs, crossings.cloth_pairs), (0, 0), "{name}");

@@ -89,7 +89,7 @@ fn nine_tenths_of_real_seams_are_proposed_and_nine_tenths_of_proposals_are_real(
 }
 
 #[test]
-fn without_places_some_seams_are_proposed_all_the_same() {
+fn without_places_three_fifths_of_seams_are_proposed_all_the_same() {
     let (mut hit, mut real, mut proposed) = (0, 0, 0);
     for (name, text) in shared_patterns() {
         let (pattern, _) = garmentcode::parse(&text, &name).unwrap();
@@ -107,7 +107,8 @@ fn without_places_some_seams_are_proposed_all_the_same() {
         (hit, real, proposed) = (hit + found, real + pattern.seams.len(), proposed + suggestions.len());
     }
     eprintln!("{hit} of {real} real seams in {proposed} proposals");
-    assert!(5 * hit >= 2 * real, "{hit} of {real} real seams are proposed");
+    assert!(5 * hit >= 3 * real, "{hit} of {real} real seams are proposed");
+    assert!(5 * hit >= 3 * proposed, "{hit} of {proposed} proposals are real");
 }
 
 /// The skirt without seams: panels back, belt and front, in the order of their names.

@@ -20,12 +20,13 @@ mod puzzle;
 mod rims;
 mod stance;
 mod surface;
+mod waist;
 
 pub use names::{Hints, Zone};
 
 use crate::body::{Body, Landmarks};
 use crate::geometry::Vector3;
-use crate::pattern::{Pattern, Placement, SegmentId, SegmentLabel};
+use crate::pattern::{Pattern, Placement};
 use crate::{Error, Warning};
 use facing::{Draft, draft};
 use figure::Figure;
@@ -157,7 +158,7 @@ pub fn place(
         let lift =
             narrow::free_hands_and_feet(&surface, &figure, body, &stances, overrides, (panels, draft), &mut moves);
         panels.iter().for_each(|&panel| raised[panel] = lift);
-        label_waist(pattern, &surface, panels, draft);
+        waist::label(pattern, &surface, panels, draft);
     }
     apart::part_legs(pattern, &stances, &mut moves);
     apart::stagger(pattern, &stances, &mut moves);
@@ -280,51 +281,6 @@ fn rim_middle(
     (count > 2.0).then(|| sum / count)
 }
 
-fn is_strapless(pattern: &Pattern, hints: &[Hints], panels: &[usize], draft: &Draft) -> bool {
-    panels.iter().any(|&p| {
-        let labeled = pattern.panels[p].segments.iter().any(|s| s.label == Some(SegmentLabel::StraplessTop));
-        labeled || (hints[p].zone == Some(Zone::Torso) && draft.is_tube)
-    })
-}
-
-/// How high a waist line is worn, m: where the torso is as wide, but not so low that the crotch would hang; then at the waist.
-fn waist_height(surface: &Surface, figure: &Figure, draft: &Draft, rim: usize) -> f64 {
-    let as_wide = figure.waist_for(surface.rims[rim].length);
-    let leg = |side: usize| draft.openings.iter().find(|(_, o)| *o == Opening::Leg(side)).map(|(rim, _)| *rim);
-    let (Some(left), Some(right)) = (leg(0), leg(1)) else { return as_wide };
-    let way = |from: usize, to: usize| {
-        let distances = surface.distances(surface.rims[from].indices());
-        surface.rims[to].indices().map(|p| distances[p as usize]).fold(f64::INFINITY, f64::min)
-    };
-    // The shortest way from hem to hem leads through the crotch.
-    let rise = 0.5 * (way(rim, left) + way(rim, right) - way(left, right));
-    as_wide.max((figure.marks.crotch.y + rise).min(figure.marks.waist))
-}
-
-/// The upper edge of what hangs from the waist is the line that holds it up, if the pattern names none: drawings do not.
-fn label_waist(pattern: &mut Pattern, surface: &Surface, panels: &[usize], draft: &Draft) {
-    let Some(&(rim, _)) = draft.openings.iter().find(|(_, opening)| *opening == Opening::Top) else { return };
-    let hints: Vec<Hints> = pattern.panels.iter().map(Hints::of).collect();
-    let held = |label| matches!(label, Some(SegmentLabel::LowerInterface | SegmentLabel::StraplessTop));
-    if is_strapless(pattern, &hints, panels, draft)
-        || panels.iter().any(|&p| pattern.panels[p].segments.iter().any(|s| held(s.label)))
-    {
-        return;
-    }
-    let mut on_rim = vec![false; surface.level.particle_count];
-    surface.rims[rim].indices().for_each(|p| on_rim[p as usize] = true);
-    let mut sewn: Vec<_> = pattern.seams.iter().flat_map(|seam| seam.sides).collect();
-    sewn.sort_unstable();
-    for &panel in panels {
-        for (segment, points) in surface.level.segments[panel].iter().enumerate() {
-            let is_open = sewn.binary_search(&SegmentId { panel, segment }).is_err();
-            if is_open && points.iter().all(|&p| on_rim[surface.level.particle_of[p as usize] as usize]) {
-                pattern.panels[panel].segments[segment].label.get_or_insert(SegmentLabel::LowerInterface);
-            }
-        }
-    }
-}
-
 /// Shoulders belong on shoulders, waists on waists: what settles how high a piece hangs.
 #[allow(clippy::too_many_arguments)]
 fn height_rows(
@@ -339,9 +295,9 @@ fn height_rows(
 ) -> Vec<Row> {
     let top = draft.openings.iter().find(|(_, o)| *o == Opening::Top);
     if let Some(&(rim, _)) = top {
-        let value = match is_strapless(pattern, hints, panels, draft) {
+        let value = match waist::is_strapless(pattern, hints, panels, draft) {
             true => 0.5 * (figure.marks.armpits[0].y + figure.marks.armpits[1].y) - BELOW_ARMPIT,
-            false => waist_height(surface, figure, draft, rim),
+            false => waist::height(surface, figure, draft, rim),
         };
         let row = |&panel: &usize| {
             let point = rim_middle(surface, draft, &stances[panel], panel, &|o| o == Opening::Top)?;

@@ -9,6 +9,7 @@
 //! In drawings, of which no panel has a place, seams come in mirror images (`symmetry`), and what is left open closes in lines of
 //! several edges (`rims`).
 
+mod drawn;
 mod names;
 mod rims;
 mod score;

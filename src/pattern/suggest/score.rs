@@ -1,5 +1,7 @@
 //! What speaks for and against sewing two segments together.
 
+mod placed;
+
 use super::names::{Part, Role, role, together};
 use super::symmetry::Symmetry;
 use crate::geometry::{Vector2, Vector3};
@@ -9,8 +11,6 @@ use crate::pattern::{BodyPart, NotchKind, Pattern, SegmentId, SegmentLabel};
 
 /// Points at which segments are compared.
 const PROBES: usize = 5;
-/// A seam in the middle of front or back leans by less: the outside of its edges points aside by at least this share.
-const UPRIGHT: f64 = 0.7;
 
 /// What is known of one segment.
 struct Edge {
@@ -33,7 +33,7 @@ struct Edge {
 
 /// All segments of a pattern.
 pub struct Edges<'p> {
-    pattern: &'p Pattern,
+    pub(super) pattern: &'p Pattern,
     measured: Measured,
     pub ids: Vec<SegmentId>,
     edges: Vec<Edge>,
@@ -217,7 +217,7 @@ impl<'p> Edges<'p> {
     }
 
     /// What part of the garment the panel of a segment is.
-    fn part(&self, edge: usize) -> Option<Part> {
+    pub(super) fn part(&self, edge: usize) -> Option<Part> {
         let panel = self.ids[edge].panel;
         let labelled = self.pattern.panels[panel].part.and_then(|part| match part {
             BodyPart::Arm => Some(Part::Sleeve),
@@ -308,67 +308,7 @@ impl<'p> Edges<'p> {
         self.drawn(made);
     }
 
-    /// Drawings stand upright, and garments are alike on both sides.
-    fn drawn(&self, made: &mut Scored) {
-        /// Never.
-        const NOT: f64 = -9.0;
-        /// What an edge whose outside points up, down or aside at least has there.
-        const MOSTLY: f64 = 0.8;
-        /// Concave by more than a waist or an inner leg: armholes, necklines.
-        const SCOOPED: f64 = -0.12;
-        /// Lengths that differ by more are no evidence, unless names go together so well.
-        const ALIKE: f64 = 0.9;
-        const KNOWN: f64 = 0.9;
-        /// Equal lengths of mirror images are no evidence.
-        const IMAGES: f64 = -1.2;
-        let (a, b) = (made.a, made.b);
-        let (panel_a, panel_b) = (self.ids[a].panel, self.ids[b].panel);
-        let [out_a, out_b] = [a, b].map(|edge| self.outwards(edge));
-        if self.mirror[a].is_some_and(|image| self.ids[image].panel == panel_b) {
-            let limb = matches!(self.part(a), Some(Part::Sleeve | Part::Cuff));
-            let center = self.mirror[a] == Some(b) && out_a.x.abs() > UPRIGHT && !limb;
-            // The seam is long; below it there may be a vent.
-            let share = 2.0 * self.edges[a].length / self.pattern.panels[panel_a].perimeter();
-            made.score = if center && !self.is_band(panel_a) { made.score + IMAGES + share } else { NOT };
-            made.reasons = vec!["the middle between a panel and its mirror image".to_owned()];
-            return;
-        }
-        // What is gathered is told by its name, or runs along several edges.
-        let lengths = [a, b].map(|edge| self.edges[edge].length);
-        let together = together(&self.roles[panel_a], &self.roles[panel_b]);
-        if lengths[0].min(lengths[1]) < ALIKE * lengths[0].max(lengths[1]) && together < KNOWN {
-            made.score -= 4.0;
-        }
-        let part = self.part(a);
-        // Sleeves and hoods are drawn in any way.
-        if !self.same_part(a, b) || matches!(part, Some(Part::Sleeve | Part::Cuff | Part::Hood | Part::Collar)) {
-            return;
-        }
-        let is_middle = |edge: usize| self.mirror[edge] == Some(edge);
-        let hems = out_a.y < -MOSTLY && out_b.y < -MOSTLY;
-        let scooped = self.edges[a].bulge < SCOOPED && self.edges[b].bulge < SCOOPED;
-        if is_middle(a) && is_middle(b) || hems || scooped || out_a.y * out_b.y < -0.5 {
-            made.score = NOT;
-            return;
-        }
-        made.is_upper = out_a.y > MOSTLY && out_b.y > MOSTLY;
-        if self.faces_differ(made) {
-            // Seen from outside, a front's left is sewn to a back's right.
-            made.score += if out_a.x * out_b.x < 0.0 { 0.5 } else { -3.0 };
-        }
-    }
-
-    /// A strip: four edges, two of them several times as long as the others.
-    fn is_band(&self, panel: usize) -> bool {
-        const LONG: f64 = 2.4;
-        let first = self.first[panel];
-        let count = self.pattern.panels[panel].segments.len();
-        let lengths = self.edges[first..first + count].iter().map(|edge| edge.length);
-        let (low, high) = lengths.fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
-        count == 4 && high > LONG * low
-    }
-
-    fn faces_differ(&self, made: &Scored) -> bool {
+    pub(super) fn faces_differ(&self, made: &Scored) -> bool {
         let face = |edge: usize| self.roles[self.ids[edge].panel].face;
         matches!((face(made.a), face(made.b)), (Some(f), Some(g)) if f != g)
     }
@@ -383,98 +323,5 @@ impl<'p> Edges<'p> {
                 made.score -= 3.0;
             }
         }
-    }
-
-    /// Along the limb away from the torso's middle.
-    fn limb(&self, edge: usize) -> Vector3 {
-        match self.part(edge) {
-            Some(Part::Sleeve | Part::Cuff) => {
-                // Arms hang at about forty degrees in an A-pose, and are held out in a T-pose.
-                let side = self.middle[self.ids[edge].panel].x.signum();
-                Vector3::new(0.8 * side, -0.6, 0.0)
-            }
-            _ => Vector3::new(0.0, -1.0, 0.0),
-        }
-    }
-
-    /// Panels around a body: cloth goes on in the plane (a waist, an armhole), or folds over to the other side of the
-    /// body (a side seam, a shoulder).
-    fn placed(&self, made: &mut Scored, p: &[Vector3; PROBES], q: &[Vector3; PROBES]) {
-        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
-        let gaps = |opposed: bool| -> [Vector3; PROBES] {
-            std::array::from_fn(|k| (if opposed { q[PROBES - 1 - k] } else { q[k] }) - p[k])
-        };
-        let mean = |gaps: &[Vector3; PROBES], normal: Vector3| {
-            gaps.iter().map(|g| (g - normal * g.dot(&normal)).norm()).sum::<f64>() / PROBES as f64
-        };
-        let whole = |gaps: &[Vector3; PROBES]| gaps.iter().map(|g| g.norm()).sum::<f64>() / PROBES as f64;
-        let (near, far) = (gaps(true), gaps(false));
-        if whole(&near) > whole(&far) + 0.25 * ea.length.min(eb.length) {
-            made.score -= 2.5;
-        }
-        let facing = ea.normal.dot(&eb.normal);
-        let outwards = ea.outwards.dot(&eb.outwards);
-        if facing < -0.3 {
-            // Folded over an edge of the body.
-            let aside = mean(&near, ea.normal);
-            made.score += 1.5 - (aside / 0.04).min(5.0) - if outwards > 0.5 { 0.0 } else { 6.0 };
-            made.score += self.open(made);
-            if aside < 0.03 {
-                made.reasons.push("opposite each other on the body".to_owned());
-            }
-        } else {
-            let same = self.part(made.a).is_some() && self.part(made.a) == self.part(made.b);
-            let gap = whole(&near);
-            let ahead = near.iter().map(|g| g.dot(&ea.outwards)).sum::<f64>() / PROBES as f64;
-            made.score += 1.5 - (gap / 0.15).min(6.0) - 6.0 * (outwards + if same { 0.7 } else { 0.3 }).clamp(0.0, 1.0);
-            made.score -= if ahead > -0.05 { 0.0 } else { 1.0 };
-            // Beside each other, not shifted along, and not turned away from each other but for what is gathered.
-            let mean = near.iter().sum::<Vector3>() / PROBES as f64;
-            let along = (p[PROBES - 1] - p[0]).try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
-            let size = 0.5 * (ea.length + eb.length);
-            made.score -= (0.6 * mean.dot(&along).abs() / size).min(1.2);
-            let spread = near.iter().map(|g| (g - mean).norm()).sum::<f64>() / PROBES as f64;
-            let gathered = 0.5 * (ea.length - eb.length).abs() / size;
-            made.score -= (4.0 * (spread / size - gathered).max(0.0)).min(2.0);
-            if same && self.part(made.a) != Some(Part::Trouser) && ea.bulge < -0.1 && eb.bulge < -0.1 {
-                // Two halves of a neckline.
-                made.score -= 3.0;
-            }
-            if gap < 0.1 {
-                made.reasons.push("beside each other on the body".to_owned());
-            }
-        }
-        self.labels(made);
-    }
-
-    /// What speaks against closing front to back where the body has to go through.
-    fn open(&self, made: &Scored) -> f64 {
-        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
-        let along = ea.outwards.dot(&self.limb(made.a)).min(eb.outwards.dot(&self.limb(made.b)));
-        let against = ea.outwards.dot(&self.limb(made.a)).max(eb.outwards.dot(&self.limb(made.b)));
-        let inwards = ea.bulge < -0.04 && eb.bulge < -0.04;
-        let side = ea.points.map_or(0.0, |p| p[PROBES / 2].x.signum());
-        let mut against_it = 0.0;
-        if along > 0.6 {
-            // A hem, or the end of a sleeve.
-            against_it -= 9.0;
-        }
-        if against < -0.6 {
-            // Upwards or towards the torso: of these only shoulders are closed.
-            // So are sides that flare widely, and the crown of a hood.
-            let out = if matches!(self.part(made.a), Some(Part::Torso) | None) { -0.05 } else { 0.3 };
-            let shoulder =
-                !inwards && ea.outwards.x * side > out && ea.curved.max(eb.curved) < 0.1 || ea.normal.x.abs() > 0.7;
-            against_it -= if shoulder { 0.0 } else { 9.0 };
-        }
-        if self.part(made.a) == Some(Part::Hood) && (ea.outwards.z > 0.6 || ea.outwards.y < -0.3) {
-            // The face, and the neck.
-            against_it -= 9.0;
-        }
-        if inwards {
-            // Armholes and necklines.
-            against_it -= 5.0;
-        }
-        against_it
     }
 }
