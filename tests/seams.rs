@@ -88,6 +88,29 @@ fn nine_tenths_of_real_seams_are_proposed_and_nine_tenths_of_proposals_are_real(
     assert!(10 * hit >= 9 * proposed, "{hit} of {proposed} proposals are real");
 }
 
+#[test]
+fn without_places_three_fifths_of_seams_are_proposed_all_the_same() {
+    let (mut hit, mut real, mut proposed) = (0, 0, 0);
+    for (name, text) in shared_patterns() {
+        let (pattern, _) = garmentcode::parse(&text, &name).unwrap();
+        let mut bare = Pattern { seams: Vec::new(), ..pattern.clone() };
+        bare.panels.iter_mut().for_each(|panel| panel.placement = None);
+        let suggestions = suggest(&bare);
+        let ordered = |[a, b]: [SegmentId; 2]| [a.min(b), a.max(b)];
+        let found = suggestions.iter().filter(|suggestion| {
+            let sides = suggestion.plan.sides.each_ref().map(|side| side[0].parts()[0].id);
+            let single = suggestion.plan.sides.iter().all(|side| side.len() == 1);
+            single && pattern.seams.iter().any(|seam| ordered(seam.sides) == ordered(sides))
+        });
+        let found = found.count();
+        eprintln!("{name}: {found} of {} real seams in {} proposals", pattern.seams.len(), suggestions.len());
+        (hit, real, proposed) = (hit + found, real + pattern.seams.len(), proposed + suggestions.len());
+    }
+    eprintln!("{hit} of {real} real seams in {proposed} proposals");
+    assert!(5 * hit >= 3 * real, "{hit} of {real} real seams are proposed");
+    assert!(5 * hit >= 3 * proposed, "{hit} of {proposed} proposals are real");
+}
+
 /// The skirt without seams: panels back, belt and front, in the order of their names.
 fn skirt() -> Pattern {
     let mut pattern = patterns::pattern_of(&patterns::skirt(60.0, 50.0));

@@ -49,7 +49,7 @@ impl PatternInput {
             );
             input.warnings.push(Warning(error.within(seams.display())));
         }
-        for (panel, _) in input.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
+        for (panel, _) in sewn.pattern.panels.iter().zip(&sewn.turned).filter(|(_, turned)| **turned) {
             let error = note(
                 "The panel is turned over, so that the right sides of all panels lie outside.".to_owned(),
                 "If it is drawn right side up, look at the seams around it with `toile seams show`.",

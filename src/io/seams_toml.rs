@@ -16,9 +16,10 @@ const KEYS: [&str; 7] = ["name", "sides", "direction", "right_wrong", "ease", "c
 
 /// Reads the seams of a pattern. What is sewn to what is checked, lengths and directions are not.
 pub fn parse(text: &str, pattern: &Pattern) -> Result<Vec<SeamPlan>, Error> {
-    let keys = Keys::parse(text.trim_start_matches('\u{feff}'), &["seam", "pattern"])?;
+    let keys = Keys::parse(text.trim_start_matches('\u{feff}'), &["seam", "pattern", "leave_out"])?;
     // Free text: which pattern the file was made for.
     keys.text("pattern")?;
+    let out = left_out(&keys, pattern)?;
     let tables = keys.tables("seam", &KEYS)?;
     if tables.len() > MOST_SEAMS {
         return Err(Error::new(
@@ -42,15 +43,53 @@ pub fn parse(text: &str, pattern: &Pattern) -> Result<Vec<SeamPlan>, Error> {
                 "Give every seam a name of its own, or none.",
             ));
         }
+        if let Some(stretch) = plan.sides.iter().flatten().find(|stretch| out[stretch.panel]) {
+            let name = &pattern.panels[stretch.panel].name;
+            return Err(plan.complain(
+                format!("It sews panel \"{name}\", which is left out."),
+                format!("Take \"{name}\" from `leave_out`, or delete the seam."),
+            ));
+        }
         plans.push(plan);
     }
     faults.extend(crate::pattern::sewing::check_overlaps(pattern, &plans).err());
     Error::all(faults).map_or(Ok(plans), |fault| Err(fault.coded(Code::SeamUnusable)))
 }
 
-/// Sews a pattern by the text of its file of seams, instead of the seams it has.
+/// Per panel: is it no part of what is sewn?
+fn left_out(keys: &Keys, pattern: &Pattern) -> Result<Vec<bool>, Error> {
+    let mut out = vec![false; pattern.panels.len()];
+    for name in keys.lists("leave_out")?.unwrap_or_default().into_iter().flatten() {
+        let Some(panel) = pattern.panels.iter().position(|panel| panel.name == name) else {
+            let known: Vec<&str> = pattern.panels.iter().map(|panel| panel.name.as_str()).collect();
+            let e = Error::new(format!("There is no panel \"{name}\" to leave out."), remedy_for_key(name, &known));
+            return Err(e.within(keys.place("leave_out")));
+        };
+        out[panel] = true;
+    }
+    if out.iter().all(|&out| out) {
+        let e = Error::new("All panels are left out.", "Keep those that are sewn: linings and bindings are left out.");
+        return Err(e.within(keys.place("leave_out")));
+    }
+    Ok(out)
+}
+
+/// Sews a pattern by the text of its file of seams, instead of the seams it has. Panels that the file leaves out are gone.
 pub fn sew(pattern: &Pattern, text: &str) -> Result<Resolved, Error> {
-    resolve(pattern, &parse(text, pattern)?)
+    let mut plans = parse(text, pattern)?;
+    let keys = Keys::parse(text.trim_start_matches('\u{feff}'), &["seam", "pattern", "leave_out"])?;
+    let out = left_out(&keys, pattern)?;
+    if !out.contains(&true) {
+        return resolve(pattern, &plans);
+    }
+    let mut kept = pattern.clone();
+    let mut at = 0..;
+    kept.panels.retain(|_| at.next().is_none_or(|panel: usize| !out[panel]));
+    kept.seams.clear();
+    for stretch in plans.iter_mut().flat_map(|plan| plan.sides.iter_mut().flatten()) {
+        stretch.panel -= out[..stretch.panel].iter().filter(|&&out| out).count();
+    }
+    resolve(&kept, &plans)
 }
 
 fn read_seam(keys: &Keys, line: &str, pattern: &Pattern) -> Result<SeamPlan, Error> {
@@ -177,6 +216,22 @@ mod tests {
             "left:notch 0 to corner 1",
         ] {
             assert!(stretch_text::parse(text, &pattern).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn panels_that_are_left_out_are_gone() {
+        let mut pattern = two_rectangles(0.2, 0.3);
+        let mut strip = pattern.panels[0].clone();
+        strip.name = "binding".to_owned();
+        pattern.panels.insert(0, strip);
+        let seam = "\n[[seam]]\nsides = [\"left:1\", \"right:3\"]";
+        let sewn = sew(&pattern, &format!("leave_out = [\"binding\"]{seam}")).unwrap().pattern;
+        let names: Vec<&str> = sewn.panels.iter().map(|panel| panel.name.as_str()).collect();
+        assert_eq!(names, ["left", "right"]);
+        assert_eq!(sewn.seams[0].sides.map(|side| side.panel), [0, 1]);
+        for list in ["[\"bindin\"]", "[\"left\"]", "[\"left\", \"right\", \"binding\"]"] {
+            assert!(sew(&pattern, &format!("leave_out = {list}{seam}")).is_err(), "{list}");
         }
     }
 

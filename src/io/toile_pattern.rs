@@ -94,6 +94,14 @@ struct FilePlacement {
     /// The panel is bent around a cylinder before it is turned and moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     bend: Option<FileBend>,
+    /// How far above the place where it is worn the panel starts.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    raised: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde hands on references.
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 /// A cylinder that touches the flat panel along a line.
@@ -303,6 +311,7 @@ fn panel_to_file(panel: &Panel) -> FilePanel {
             rotation,
             angles_deg: None,
             bend: p.bend.as_ref().map(file_bend),
+            raised: p.raised,
         }
     };
     let notch = |n: &Notch| FileNotch { segment: n.segment, fraction: n.fraction, kind: n.kind.into() };
@@ -509,7 +518,8 @@ fn placement_from_file(file: &FilePlacement, unit: Unit) -> Result<Placement, Er
         }
     };
     let bend = file.bend.as_ref().map(|bend| bend_from_file(bend, unit)).transpose()?;
-    Ok(Placement { rotation, translation: Vector3::from(file.translation.map(|x| unit.to_metres(x))), bend })
+    let translation = Vector3::from(file.translation.map(|x| unit.to_metres(x)));
+    Ok(Placement { rotation, translation, bend, raised: unit.to_metres(file.raised) })
 }
 
 fn bend_from_file(file: &FileBend, unit: Unit) -> Result<Bend, Error> {
@@ -715,6 +725,7 @@ sides = [{ panel = "front", segment = 0 }, { panel = "back", segment = 3 }]
                 rotation: Rotation3::from_euler_angles(angle, e, c),
                 translation: Vector3::new(far / 100.0, b, c),
                 bend: (fraction > 0.5).then(|| Bend { origin: corners[0], along: Vector2::new(0.6, 0.8), radius: a }),
+                raised: if fraction > 0.8 { fraction } else { 0.0 },
             });
             panel.markings.notches.push(Notch { segment: 2, fraction, kind: NotchKind::Double });
             let pattern = Pattern { name: "p".into(), panels: vec![panel], seams: vec![] };

@@ -170,7 +170,8 @@ impl Panel {
                     && bend.origin.norm().is_finite()
             })
         };
-        if !(shift.is_finite() && self.placement.as_ref().is_none_or(|p| turned(p) && bent(p))) {
+        let raised = self.placement.as_ref().map_or(0.0, |placement| placement.raised);
+        if !(shift.is_finite() && raised.is_finite() && self.placement.as_ref().is_none_or(|p| turned(p) && bent(p))) {
             return Err(Error::new(
                 "The placement is not finite.",
                 "Give the translation and rotation as plain numbers.",

@@ -93,6 +93,8 @@ pub struct Placement {
     pub translation: Vector3,
     /// None for a flat panel.
     pub bend: Option<Bend>,
+    /// How far above the place where it is worn the panel starts, m: trousers that are too long start above the feet.
+    pub raised: f64,
 }
 
 /// A panel rolled around a cylinder that touches it along a line: no length on it changes.
@@ -127,7 +129,7 @@ impl Bend {
 impl Placement {
     /// A panel that stays flat.
     pub fn flat(rotation: Rotation3<f64>, translation: Vector3) -> Self {
-        Self { rotation, translation, bend: None }
+        Self { rotation, translation, bend: None, raised: 0.0 }
     }
 
     /// Where a point of the panel starts in the world.

@@ -325,7 +325,7 @@ pub fn problem<'a, 'w>(
 pub struct Waist {
     /// Of the garment.
     panels: Range<usize>,
-    /// Where the pattern places it, m.
+    /// Where it is worn, m: where the pattern places it, less what it was raised by.
     height: f64,
 }
 
@@ -336,7 +336,9 @@ impl Waist {
         let line = SegmentLabel::LowerInterface;
         let height = hold(pattern, &garment.open, panels.clone(), line, &arrangement.positions)?.height;
         let top = arrangement.positions.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
-        (top <= height + HANGS_FROM_WAIST).then_some(Self { panels, height })
+        let raised =
+            pattern.panels.iter().filter_map(|panel| panel.placement.as_ref()).map(|p| p.raised).fold(0.0, f64::max);
+        (top <= height + HANGS_FROM_WAIST).then_some(Self { panels, height: height - raised })
     }
 
     /// Keeps it from sinking below where the pattern places it, as buttons would.

@@ -121,7 +121,9 @@ fn tube(surface: &Surface, hints: &[Hints], figure: &Figure, [top, hem]: [usize;
     };
     // Seen from outside the cloth is at the left hand: at the front one walks an upper rim towards the body's right, a lower one
     // towards its left. Angles go from the left, +x, over the front, +z.
-    let phase = phase(surface, hints, upper, &distances, way);
+    let near: Vec<bool> = distances.iter().map(|&d| d < way).collect();
+    let unturned = harmonic(surface, &circle(upper, base, 1.0, 0.0));
+    let phase = phase(surface, hints, figure, upper, &unturned, &near);
     let mut pins = circle(upper, base, 1.0, phase);
     let free = harmonic(surface, &pins);
     let (mut sin, mut cos) = (0.0, 0.0);
@@ -136,39 +138,57 @@ fn tube(surface: &Surface, hints: &[Hints], figure: &Figure, [top, hem]: [usize;
 }
 
 /// The angle of the first particle of the upper rim: as the names have it, or so that panels lie in front and behind.
-fn phase(surface: &Surface, hints: &[Hints], upper: &Rim, distances: &[f64], way: f64) -> f64 {
-    // Middles of the panels along the rim: by edges, each with its panel.
-    let mut panel_of = vec![usize::MAX; surface.neighbors.len()];
-    for (t, &panel) in surface.panel_of.iter().enumerate() {
-        surface.level.particles(t).iter().for_each(|&p| panel_of[p as usize] = panel as usize);
-    }
+/// `free` is the map with the upper rim alone in its place, its first particle at no angle.
+fn phase(surface: &Surface, hints: &[Hints], figure: &Figure, upper: &Rim, free: &[Vector3], near: &[bool]) -> f64 {
     let mut area = vec![0.0; hints.len()];
     for (t, a) in surface.level.rest_areas().into_iter().enumerate() {
-        let near = surface.level.particles(t).iter().any(|&p| distances[p as usize] < way);
-        area[surface.panel_of[t] as usize] += if near { a } else { 0.0 };
+        let counts = surface.level.particles(t).iter().any(|&p| near[p as usize]);
+        area[surface.panel_of[t] as usize] += if counts { a } else { 0.0 };
     }
-    let mut sides: Vec<(f64, f64, f64)> = Vec::new();
-    for &(panel, length) in &upper.panels {
-        let at = upper.particles.iter().filter(|(p, _)| panel_of[*p as usize] == panel);
-        let (mut sin, mut cos) = (0.0, 0.0);
-        for (_, along) in at {
-            let (s, c) = (TAU * along / upper.length).sin_cos();
-            (sin, cos) = (sin + s, cos + c);
-        }
-        sides.push((sin.atan2(cos), length, panel as f64));
-    }
+    let named = |panel: usize| hints[panel].front.is_some() || hints[panel].left.is_some();
+    // Middles of the panels along the rim; of all panels, each with its area, where those at the rim have no side in their
+    // names: a waistband in one piece.
+    let sides: Vec<(f64, f64, usize)> = if upper.panels.iter().any(|&(panel, _)| named(panel)) {
+        along_rim(surface, upper)
+    } else {
+        let all = surface.level.panels.iter().enumerate().filter(|(panel, _)| area[*panel] > 0.0);
+        let whole: f64 = area.iter().sum();
+        let side = |(panel, range): (usize, &crate::garment::PanelRange)| {
+            let places = range.points.clone().map(|p| free[surface.level.particle_of[p] as usize]);
+            let (x, z) = places.fold((0.0, 0.0), |(x, z), p| (x + p.x - figure.middle, z + p.z));
+            (z.atan2(x), upper.length * area[panel] / whole, panel)
+        };
+        all.map(side).collect()
+    };
     let score = |phase: f64| {
-        let of = |&(angle, length, panel): &(f64, f64, f64)| {
+        let of = |&(angle, length, panel): &(f64, f64, usize)| {
             let (sin, cos) = (angle + phase).sin_cos();
-            let hint = hints[panel as usize];
+            let hint = hints[panel];
             let named = hint.front.map_or(0.0, |front| front * sin) + hint.left.map_or(0.0, |left| left * cos);
             // Without names: seams at the sides, and the larger part behind.
-            length * (named + 0.1 * (1.0 - 2.0 * cos * cos)) - 0.01 * area[panel as usize] * sin
+            length * (named + 0.1 * (1.0 - 2.0 * cos * cos)) - 0.01 * area[panel] * sin
         };
         sides.iter().map(of).sum::<f64>()
     };
     let phases = (0..PHASES).map(|k| TAU * k as f64 / PHASES as f64 - PI);
     phases.max_by(|a, b| score(*a).total_cmp(&score(*b))).unwrap_or(0.0)
+}
+
+/// The panels at a rim: the angle of the middle of each if the first particle is at none, rad, and its length, m.
+fn along_rim(surface: &Surface, rim: &Rim) -> Vec<(f64, f64, usize)> {
+    let mut panel_of = vec![usize::MAX; surface.neighbors.len()];
+    for (t, &panel) in surface.panel_of.iter().enumerate() {
+        surface.level.particles(t).iter().for_each(|&p| panel_of[p as usize] = panel as usize);
+    }
+    let side = |&(panel, length): &(usize, f64)| {
+        let (mut sin, mut cos) = (0.0, 0.0);
+        for (_, along) in rim.particles.iter().filter(|(p, _)| panel_of[*p as usize] == panel) {
+            let (s, c) = (TAU * along / rim.length).sin_cos();
+            (sin, cos) = (sin + s, cos + c);
+        }
+        (sin.atan2(cos), length, panel)
+    };
+    rim.panels.iter().map(side).collect()
 }
 
 /// Does the map have left and right, and with them front and back, the wrong way round?

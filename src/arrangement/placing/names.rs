@@ -52,7 +52,8 @@ const ZONES: [(Zone, &[&str]); 7] = [
     (Zone::Neck, &["collar", "neck", "neckband", "lapel", "kragen", "col", "turtle"]),
     (
         Zone::Arm,
-        &["sleeve", "sleeves", "sl", "slv", "arm", "cuff", "cuffs", "armel", "aermel", "manche", "manica", "raglan"],
+        // A cuff alone may be that of a leg: what it is sewn to tells.
+        &["sleeve", "sleeves", "sl", "slv", "arm", "armel", "aermel", "manche", "manica", "raglan"],
     ),
     (Zone::Waistband, &["wb", "waistband", "bund", "ceinture", "belt"]),
     (Zone::Skirt, &["skirt", "rock", "jupe", "godet", "gore", "insert", "ruffle"]),
@@ -149,6 +150,7 @@ mod tests {
             ("sl_right_cuff_b", Some(Zone::Arm), back, right),
             ("pant_f_l", Some(Zone::Leg), front, left),
             ("PantCuff-R", Some(Zone::Leg), None, right),
+            ("cuff (mirrored)", None, None, None),
             ("wb_back", Some(Zone::Waistband), back, None),
             ("skirt_front", Some(Zone::Skirt), front, None),
             ("Front Bodice 2", Some(Zone::Torso), front, None),

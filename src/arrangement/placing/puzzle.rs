@@ -135,6 +135,6 @@ impl Stance {
     }
 
     pub fn placement(&self, translation: Vector3) -> Placement {
-        Placement { rotation: self.rotation, translation, bend: self.bend }
+        Placement { rotation: self.rotation, translation, bend: self.bend, raised: 0.0 }
     }
 }

@@ -28,6 +28,8 @@ const ALIKE: f64 = 0.06;
 const MOST_RIMS: usize = 8;
 /// An open front makes its line longer than the cuffs by more than this factor; a waist is shorter.
 const OPEN_FRONT: f64 = 4.5;
+/// How far from the sleeves, m, a metre of length more makes a rim look, if it is to be told neck from hem.
+const HEM_IS_LONGER: f64 = 0.5;
 
 /// The openings of a piece, by rim; none where the seams leave it open and the names do too.
 pub fn openings(surface: &Surface, hints: &[Hints], piece: usize) -> Vec<(usize, Opening)> {
@@ -173,10 +175,11 @@ impl Known<'_> {
             let sides = if crossed { [1, 0] } else { [0, 1] };
             labels.extend([(a, Opening::Leg(sides[0])), (b, Opening::Leg(sides[1]))]);
         }
-        // Of what is left the neck is nearest to the arms, the hem farthest.
+        // Of what is left the neck is nearest to the arms and short, the hem farthest and long: cuffs of long sleeves are as far
+        // from either.
         let away = |rim: usize| {
             let far = arms.iter().flatten().map(|&arm| self.apart(arm, rim)).sum::<f64>();
-            far - self.share(rim, &[Zone::Neck, Zone::Head])
+            far + HEM_IS_LONGER * self.length(rim) - self.share(rim, &[Zone::Neck, Zone::Head])
                 + self.share(rim, &[Zone::Skirt, Zone::Waistband, Zone::Leg])
         };
         let mut rest: Vec<(f64, usize)> = rest.iter().map(|&rim| (away(rim), rim)).collect();

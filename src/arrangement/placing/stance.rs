@@ -41,6 +41,8 @@ const BENT: f64 = 0.35;
 /// What the flow to an opening, from 0 to 1, has to be on a panel for it to belong to that limb; a name counts as much as...
 const ON_LIMB: f64 = 0.45;
 const NAMED: f64 = 0.4;
+/// ... and so much it counts that a panel without a name goes down one leg.
+const DOWN_ONE_LEG: f64 = 0.2;
 /// How far outside the body panels stand, m: the torso's, those of arms, those of the head. A hood farther out has its tips in the
 /// shoulders, where they get caught.
 const TORSO_GAP: f64 = 0.09;
@@ -105,9 +107,12 @@ impl Standing<'_> {
             let of = range.points.clone().map(|p| flow[self.surface.level.particle_of[p] as usize]);
             of.sum::<f64>() / range.points.len() as f64
         };
+        let down = self.leg_below(panel, flows);
         let score = |limb: Limb, flow: &[f64]| {
             let named = match (limb, hint.zone) {
                 (Limb::Arm(_), Some(Zone::Arm)) | (Limb::Leg(_), Some(Zone::Leg)) => NAMED,
+                // A front that goes down one leg, with hips and all.
+                (Limb::Leg(_), None) if down == Some(limb) => DOWN_ONE_LEG,
                 (_, None) => 0.0,
                 _ => -NAMED,
             };
@@ -123,6 +128,20 @@ impl Standing<'_> {
                     _ => (Limb::Torso, None),
                 }
             }
+        }
+    }
+
+    /// The leg that the panel reaches down; none if both or neither.
+    fn leg_below(&self, panel: usize, flows: &[(Limb, Vec<f64>)]) -> Option<Limb> {
+        /// Above the crotch the flow to either opening is less.
+        const DOWN_A_LEG: f64 = 0.6;
+        let range = &self.surface.level.panels[panel];
+        let ends =
+            |flow: &[f64]| range.points.clone().any(|p| flow[self.surface.level.particle_of[p] as usize] > DOWN_A_LEG);
+        let mut below = flows.iter().filter(|(limb, flow)| matches!(limb, Limb::Leg(_)) && ends(flow));
+        match (below.next(), below.next()) {
+            (Some((limb, _)), None) => Some(*limb),
+            _ => None,
         }
     }
 

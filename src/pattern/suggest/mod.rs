@@ -5,13 +5,19 @@
 //! are placed, whether the one segment is where the other's cloth would go on (`placed`) or, where nothing is
 //! placed, how the corners fit. The weights come from how garments are made, not from a fit to examples. Segments for which nothing
 //! speaks stay open: hems, necklines, cuffs.
+//!
+//! In drawings, of which no panel has a place, seams come in mirror images (`symmetry`), and what is left open closes in lines of
+//! several edges (`rims`).
 
+mod drawn;
 mod names;
+mod rims;
 mod score;
+mod symmetry;
 
 use crate::geometry::UnionFind;
-use crate::pattern::sewing::SeamPlan;
-use crate::pattern::{Pattern, SegmentId};
+use crate::pattern::Pattern;
+use crate::pattern::sewing::{SeamPlan, Stretch};
 use score::{Edges, Scored};
 
 /// A seam that is proposed.
@@ -37,56 +43,135 @@ pub fn suggest(pattern: &Pattern) -> Vec<Suggestion> {
     if edges.ids.len() > MOST_SEGMENTS {
         return Vec::new();
     }
-    let mut candidates: Vec<Scored> = Vec::new();
-    for a in 0..edges.ids.len() {
-        for b in a + 1..edges.ids.len() {
-            let scored = edges.score(a, b);
-            if scored.score > LEAST - 2.0 * GOES_ON {
-                candidates.push(scored);
-            }
-        }
-    }
-    candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then((a.a, a.b).cmp(&(b.a, b.b))));
-    let mut corners = UnionFind::new(edges.ids.len());
-    let mut sewn = vec![false; edges.ids.len()];
-    let mut taken: Vec<(Scored, f64)> = Vec::new();
-    loop {
-        // What was taken changes the scores of its neighbours alone, but a look at all is cheap.
-        let mut best: Option<(f64, usize)> = None;
-        for (k, candidate) in candidates.iter().enumerate() {
-            if sewn[candidate.a] || sewn[candidate.b] || best.is_some_and(|(s, _)| candidate.score + 2.0 * GOES_ON <= s)
-            {
-                continue;
-            }
-            let mut score = candidate.score;
-            for [u, v] in edges.ends(candidate) {
-                if corners.find(u) == corners.find(v) && u != v {
-                    score += GOES_ON;
-                }
-            }
-            if best.is_none_or(|(s, _)| score > s + 1e-9) {
-                best = Some((score, k));
-            }
-        }
-        let Some((score, k)) = best.filter(|(score, _)| *score >= LEAST) else { break };
-        let candidate = candidates[k].clone();
-        sewn[candidate.a] = true;
-        sewn[candidate.b] = true;
-        for [u, v] in edges.ends(&candidate) {
-            corners.union(u, v);
-        }
-        taken.push((candidate, score));
-    }
-    let suggestion = |(candidate, score): (Scored, f64)| {
-        let sides: [SegmentId; 2] = [edges.ids[candidate.a], edges.ids[candidate.b]];
-        let names = sides.map(|id| format!("{}:{}", pattern.panels[id.panel].name, id.segment));
+    let mut sewing = Sewing::new(&edges);
+    sewing.take(|sewing, candidate| !candidate.is_upper && !sewing.has_middle(candidate));
+    // Shoulders are open beside: at armhole and neckline. Waists are not.
+    sewing.take(|sewing, candidate| {
+        candidate.is_upper && [candidate.a, candidate.b].iter().all(|&edge| sewing.is_free_beside(edge))
+    });
+    let suggestion = |sides: [Vec<usize>; 2], score: f64, reasons: &[String]| {
+        let stretches = |side: &Vec<usize>| side.iter().map(|&e| Stretch::whole(edges.ids[e])).collect::<Vec<_>>();
+        let name = |&e: &usize| format!("{}:{}", pattern.panels[edges.ids[e].panel].name, edges.ids[e].segment);
+        let names = sides.each_ref().map(|side| side.iter().map(name).collect::<Vec<_>>().join(" and "));
         Suggestion {
-            plan: SeamPlan::whole(format!("{} + {}", names[0], names[1]), sides),
+            plan: SeamPlan {
+                name: names.join(" + "),
+                sides: sides.each_ref().map(stretches),
+                direction: None,
+                right_wrong: false,
+                ease: None,
+                place: String::new(),
+            },
             confidence: 1.0 / (1.0 + (LEAST - score).exp()),
-            reason: candidate.reasons.join(", "),
+            reason: reasons.join(", "),
         }
     };
-    let mut made: Vec<Suggestion> = taken.into_iter().map(suggestion).collect();
+    let mut made: Vec<Suggestion> = sewing
+        .taken
+        .iter()
+        .map(|(candidate, score)| suggestion([vec![candidate.a], vec![candidate.b]], *score, &candidate.reasons))
+        .collect();
+    if edges.are_drawn() {
+        for run in rims::runs(&edges, &sewing.sewn_to) {
+            made.push(suggestion(run.sides, run.score - 1.0, &run.reasons));
+        }
+    }
     made.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     made
+}
+
+/// What is taken so far.
+struct Sewing<'e> {
+    edges: &'e Edges<'e>,
+    candidates: Vec<Scored>,
+    corners: UnionFind,
+    /// Per edge.
+    sewn_to: Vec<Option<usize>>,
+    taken: Vec<(Scored, f64)>,
+}
+
+impl<'e> Sewing<'e> {
+    fn new(edges: &'e Edges<'e>) -> Self {
+        let count = edges.ids.len();
+        let mut candidates: Vec<Scored> = Vec::new();
+        for a in 0..count {
+            for b in a + 1..count {
+                let scored = edges.score(a, b);
+                if scored.score > LEAST - 2.0 * GOES_ON {
+                    candidates.push(scored);
+                }
+            }
+        }
+        candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then((a.a, a.b).cmp(&(b.a, b.b))));
+        Self { edges, candidates, corners: UnionFind::new(count), sewn_to: vec![None; count], taken: Vec::new() }
+    }
+
+    /// Takes the best of some candidates as long as there are good ones.
+    fn take(&mut self, among: impl Fn(&Self, &Scored) -> bool) {
+        loop {
+            // What was taken changes the scores of its neighbours alone, but a look at all is cheap.
+            let mut best: Option<(f64, usize)> = None;
+            for k in 0..self.candidates.len() {
+                let candidate = &self.candidates[k];
+                if self.sewn_to[candidate.a].is_some()
+                    || self.sewn_to[candidate.b].is_some()
+                    || best.is_some_and(|(s, _)| candidate.score + 2.0 * GOES_ON <= s)
+                    || !among(self, candidate)
+                {
+                    continue;
+                }
+                let mut score = candidate.score;
+                for [u, v] in self.edges.ends(candidate) {
+                    if self.corners.find(u) == self.corners.find(v) && u != v {
+                        score += GOES_ON;
+                    }
+                }
+                if best.is_none_or(|(s, _)| score > s + 1e-9) {
+                    best = Some((score, k));
+                }
+            }
+            let Some((score, k)) = best.filter(|(score, _)| *score >= LEAST) else { break };
+            let candidate = self.candidates[k].clone();
+            let image = self.image(&candidate);
+            self.sew(candidate, score);
+            if let Some(image) = image {
+                self.sew(image, score);
+            }
+        }
+    }
+
+    /// The same seam on the other side of the garment, in drawings.
+    fn image(&self, candidate: &Scored) -> Option<Scored> {
+        if !self.edges.are_drawn() {
+            return None;
+        }
+        let (a, b) = (self.edges.mirror(candidate.a)?, self.edges.mirror(candidate.b)?);
+        let free = |edge: usize| self.sewn_to[edge].is_none() && edge != candidate.a && edge != candidate.b;
+        (free(a) && free(b) && a != b).then(|| Scored { a: a.min(b), b: a.max(b), ..candidate.clone() })
+    }
+
+    fn sew(&mut self, candidate: Scored, score: f64) {
+        self.sewn_to[candidate.a] = Some(candidate.b);
+        self.sewn_to[candidate.b] = Some(candidate.a);
+        for [u, v] in self.edges.ends(&candidate) {
+            self.corners.union(u, v);
+        }
+        self.taken.push((candidate, score));
+    }
+
+    /// Would it be the second seam between a panel and its mirror image? A panel has one in the middle of the garment.
+    fn has_middle(&self, candidate: &Scored) -> bool {
+        let is_middle = |edge: usize| {
+            self.edges.mirror(edge).is_some_and(|image| image != edge && self.sewn_to[edge] == Some(image))
+        };
+        let panel = self.edges.ids[candidate.a].panel;
+        self.edges.mirror(candidate.a) == Some(candidate.b)
+            && (0..self.sewn_to.len()).any(|edge| self.edges.ids[edge].panel == panel && is_middle(edge))
+    }
+
+    /// Is nothing of the same part of the garment sewn to the edges beside one?
+    fn is_free_beside(&self, edge: usize) -> bool {
+        let is_free = |beside: usize| self.sewn_to[beside].is_none_or(|to| !self.edges.same_part(beside, to));
+        self.edges.beside(edge).into_iter().all(is_free)
+    }
 }

@@ -1,6 +1,9 @@
 //! What speaks for and against sewing two segments together.
 
+mod placed;
+
 use super::names::{Part, Role, role, together};
+use super::symmetry::Symmetry;
 use crate::geometry::{Vector2, Vector3};
 use crate::pattern::sewing::Measured;
 use crate::pattern::sewing::evidence::corner_angle;
@@ -30,10 +33,13 @@ struct Edge {
 
 /// All segments of a pattern.
 pub struct Edges<'p> {
-    pattern: &'p Pattern,
+    pub(super) pattern: &'p Pattern,
+    measured: Measured,
     pub ids: Vec<SegmentId>,
     edges: Vec<Edge>,
     roles: Vec<Role>,
+    /// Per segment: its mirror image in the drawing.
+    mirror: Vec<Option<usize>>,
     /// Per panel: index of its first segment.
     first: Vec<usize>,
     /// Per panel: its middle in the world.
@@ -47,15 +53,20 @@ pub struct Scored {
     pub b: usize,
     pub score: f64,
     pub reasons: Vec<String>,
+    /// Both are upper edges: shoulders, or two waists, which the seams beside them tell.
+    pub is_upper: bool,
 }
 
 impl<'p> Edges<'p> {
     pub fn new(pattern: &'p Pattern) -> Self {
         let measured = Measured::new(pattern);
+        let symmetry = Symmetry::new(pattern, &measured);
         let mut made = Self {
             pattern,
+            measured: Measured::new(pattern),
             ids: Vec::new(),
             edges: Vec::new(),
+            mirror: Vec::new(),
             roles: pattern.panels.iter().map(|p| role(&p.name)).collect(),
             first: Vec::new(),
             middle: Vec::new(),
@@ -98,7 +109,62 @@ impl<'p> Edges<'p> {
             }
             made.middle.push(middle);
         }
+        let image = |&id: &SegmentId| symmetry.image(id).map(|there| made.first[there.panel] + there.segment);
+        made.mirror = made.ids.iter().map(image).collect();
         made
+    }
+
+    /// Is any panel without a place around the body?
+    pub fn are_drawn(&self) -> bool {
+        self.edges.iter().any(|edge| edge.points.is_none())
+    }
+
+    pub fn mirror(&self, edge: usize) -> Option<usize> {
+        self.mirror[edge]
+    }
+
+    pub fn role(&self, edge: usize) -> Role {
+        self.roles[self.ids[edge].panel]
+    }
+
+    pub fn length(&self, edge: usize) -> f64 {
+        self.edges[edge].length
+    }
+
+    pub fn bulge(&self, edge: usize) -> f64 {
+        self.edges[edge].bulge
+    }
+
+    /// The height in the drawing at a fraction of a segment, m.
+    pub fn height(&self, edge: usize, fraction: f64) -> f64 {
+        self.measured.point(self.ids[edge], fraction).y
+    }
+
+    pub fn notches_of(&self, edge: usize) -> &[(f64, NotchKind)] {
+        &self.edges[edge].notches
+    }
+
+    /// Does the outline of its panel run clockwise?
+    pub fn is_clockwise(&self, edge: usize) -> bool {
+        self.edges[edge].normal.z < 0.0
+    }
+
+    /// Out of the panel across a segment, as drawn, seen with the right side up: what is left then is left.
+    pub fn outwards(&self, edge: usize) -> Vector2 {
+        let edge = &self.edges[edge];
+        Vector2::new(edge.outwards.x * edge.normal.z.signum(), edge.outwards.y)
+    }
+
+    /// The segments beside one along its outline: the one before and the one after.
+    pub fn beside(&self, edge: usize) -> [usize; 2] {
+        let id = self.ids[edge];
+        let (first, count) = (self.first[id.panel], self.pattern.panels[id.panel].segments.len());
+        [first + (id.segment + count - 1) % count, first + (id.segment + 1) % count]
+    }
+
+    /// Are these of one part of the garment, as far as names tell?
+    pub fn same_part(&self, a: usize, b: usize) -> bool {
+        self.part(a) == self.part(b)
     }
 
     /// The corners that a seam would join, by the index of the segment that starts there.
@@ -112,7 +178,7 @@ impl<'p> Edges<'p> {
     }
 
     pub fn score(&self, a: usize, b: usize) -> Scored {
-        let mut made = Scored { a, b, score: 0.0, reasons: Vec::new() };
+        let mut made = Scored { a, b, score: 0.0, reasons: Vec::new(), is_upper: false };
         let (ea, eb) = (&self.edges[a], &self.edges[b]);
         let (panel_a, panel_b) = (self.ids[a].panel, self.ids[b].panel);
         let ratio = ea.length.min(eb.length) / ea.length.max(eb.length);
@@ -151,7 +217,7 @@ impl<'p> Edges<'p> {
     }
 
     /// What part of the garment the panel of a segment is.
-    fn part(&self, edge: usize) -> Option<Part> {
+    pub(super) fn part(&self, edge: usize) -> Option<Part> {
         let panel = self.ids[edge].panel;
         let labelled = self.pattern.panels[panel].part.and_then(|part| match part {
             BodyPart::Arm => Some(Part::Sleeve),
@@ -165,25 +231,36 @@ impl<'p> Edges<'p> {
     fn within_panel(&self, made: &mut Scored, ratio: f64) {
         /// A dart turns the outline back into the panel by more than this, radians.
         const DART: f64 = 1.25 * std::f64::consts::PI;
+        /// In a drawing, where pockets and vents are notched as well.
+        const DRAWN_DART: f64 = 1.6 * std::f64::consts::PI;
         let count = self.pattern.panels[self.ids[made.a].panel].segments.len();
         let (i, j) = (self.ids[made.a].segment, self.ids[made.b].segment);
         let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
         let straight = ea.curved.max(eb.curved) < 0.1;
+        let drawn = ea.points.is_none();
+        let dart = if drawn { DRAWN_DART } else { DART };
         let tip = if j == i + 1 { Some(ea.angles[1]) } else { (i == 0 && j == count - 1).then_some(ea.angles[0]) };
         match tip {
-            Some(angle) if angle > DART && ratio > 0.95 && straight && count > 3 => {
+            Some(angle) if angle > dart && ratio > 0.95 && straight && count > 3 => {
                 made.score = 6.0;
                 made.reasons.push("a dart: equal legs".to_owned());
             }
             Some(_) => made.score = -9.0,
             None => {
                 // A sleeve in one piece closes under the arm.
-                let sleeve = matches!(self.part(made.a), Some(Part::Sleeve | Part::Cuff));
+                let panel = self.ids[made.a].panel;
+                let band = drawn && self.is_band(panel);
+                let part = self.part(made.a);
+                let sleeve = part == Some(Part::Sleeve) || part == Some(Part::Cuff) && !band;
                 let alike = ratio > 0.97 && (ea.bulge - eb.bulge).abs() < 0.02 && ea.bulge.abs() < 0.08;
                 let one_piece = self.roles[self.ids[made.a].panel].face.is_none();
+                let ends = ea.length.max(eb.length) < 0.3 * 0.5 * self.pattern.panels[panel].perimeter();
                 if sleeve && alike && one_piece && count <= 8 {
                     made.score = 2.5 + self.corners(ea, eb);
                     made.reasons.push("equal lengths on one sleeve, which closes to a tube".to_owned());
+                } else if band && ends && matches!(part, Some(Part::Waistband | Part::Cuff)) {
+                    made.score = 2.5;
+                    made.reasons.push("the ends of a band".to_owned());
                 } else {
                     made.score = -9.0;
                 }
@@ -228,9 +305,10 @@ impl<'p> Edges<'p> {
             made.score -= 2.5;
         }
         self.labels(made);
+        self.drawn(made);
     }
 
-    fn faces_differ(&self, made: &Scored) -> bool {
+    pub(super) fn faces_differ(&self, made: &Scored) -> bool {
         let face = |edge: usize| self.roles[self.ids[edge].panel].face;
         matches!((face(made.a), face(made.b)), (Some(f), Some(g)) if f != g)
     }
@@ -245,98 +323,5 @@ impl<'p> Edges<'p> {
                 made.score -= 3.0;
             }
         }
-    }
-
-    /// Along the limb away from the torso's middle.
-    fn limb(&self, edge: usize) -> Vector3 {
-        match self.part(edge) {
-            Some(Part::Sleeve | Part::Cuff) => {
-                // Arms hang at about forty degrees in an A-pose, and are held out in a T-pose.
-                let side = self.middle[self.ids[edge].panel].x.signum();
-                Vector3::new(0.8 * side, -0.6, 0.0)
-            }
-            _ => Vector3::new(0.0, -1.0, 0.0),
-        }
-    }
-
-    /// Panels around a body: cloth goes on in the plane (a waist, an armhole), or folds over to the other side of the
-    /// body (a side seam, a shoulder).
-    fn placed(&self, made: &mut Scored, p: &[Vector3; PROBES], q: &[Vector3; PROBES]) {
-        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
-        let gaps = |opposed: bool| -> [Vector3; PROBES] {
-            std::array::from_fn(|k| (if opposed { q[PROBES - 1 - k] } else { q[k] }) - p[k])
-        };
-        let mean = |gaps: &[Vector3; PROBES], normal: Vector3| {
-            gaps.iter().map(|g| (g - normal * g.dot(&normal)).norm()).sum::<f64>() / PROBES as f64
-        };
-        let whole = |gaps: &[Vector3; PROBES]| gaps.iter().map(|g| g.norm()).sum::<f64>() / PROBES as f64;
-        let (near, far) = (gaps(true), gaps(false));
-        if whole(&near) > whole(&far) + 0.25 * ea.length.min(eb.length) {
-            made.score -= 2.5;
-        }
-        let facing = ea.normal.dot(&eb.normal);
-        let outwards = ea.outwards.dot(&eb.outwards);
-        if facing < -0.3 {
-            // Folded over an edge of the body.
-            let aside = mean(&near, ea.normal);
-            made.score += 1.5 - (aside / 0.04).min(5.0) - if outwards > 0.5 { 0.0 } else { 6.0 };
-            made.score += self.open(made);
-            if aside < 0.03 {
-                made.reasons.push("opposite each other on the body".to_owned());
-            }
-        } else {
-            let same = self.part(made.a).is_some() && self.part(made.a) == self.part(made.b);
-            let gap = whole(&near);
-            let ahead = near.iter().map(|g| g.dot(&ea.outwards)).sum::<f64>() / PROBES as f64;
-            made.score += 1.5 - (gap / 0.15).min(6.0) - 6.0 * (outwards + if same { 0.7 } else { 0.3 }).clamp(0.0, 1.0);
-            made.score -= if ahead > -0.05 { 0.0 } else { 1.0 };
-            // Beside each other, not shifted along, and not turned away from each other but for what is gathered.
-            let mean = near.iter().sum::<Vector3>() / PROBES as f64;
-            let along = (p[PROBES - 1] - p[0]).try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
-            let size = 0.5 * (ea.length + eb.length);
-            made.score -= (0.6 * mean.dot(&along).abs() / size).min(1.2);
-            let spread = near.iter().map(|g| (g - mean).norm()).sum::<f64>() / PROBES as f64;
-            let gathered = 0.5 * (ea.length - eb.length).abs() / size;
-            made.score -= (4.0 * (spread / size - gathered).max(0.0)).min(2.0);
-            if same && self.part(made.a) != Some(Part::Trouser) && ea.bulge < -0.1 && eb.bulge < -0.1 {
-                // Two halves of a neckline.
-                made.score -= 3.0;
-            }
-            if gap < 0.1 {
-                made.reasons.push("beside each other on the body".to_owned());
-            }
-        }
-        self.labels(made);
-    }
-
-    /// What speaks against closing front to back where the body has to go through.
-    fn open(&self, made: &Scored) -> f64 {
-        let (ea, eb) = (&self.edges[made.a], &self.edges[made.b]);
-        let along = ea.outwards.dot(&self.limb(made.a)).min(eb.outwards.dot(&self.limb(made.b)));
-        let against = ea.outwards.dot(&self.limb(made.a)).max(eb.outwards.dot(&self.limb(made.b)));
-        let inwards = ea.bulge < -0.04 && eb.bulge < -0.04;
-        let side = ea.points.map_or(0.0, |p| p[PROBES / 2].x.signum());
-        let mut against_it = 0.0;
-        if along > 0.6 {
-            // A hem, or the end of a sleeve.
-            against_it -= 9.0;
-        }
-        if against < -0.6 {
-            // Upwards or towards the torso: of these only shoulders are closed.
-            // So are sides that flare widely, and the crown of a hood.
-            let out = if matches!(self.part(made.a), Some(Part::Torso) | None) { -0.05 } else { 0.3 };
-            let shoulder =
-                !inwards && ea.outwards.x * side > out && ea.curved.max(eb.curved) < 0.1 || ea.normal.x.abs() > 0.7;
-            against_it -= if shoulder { 0.0 } else { 9.0 };
-        }
-        if self.part(made.a) == Some(Part::Hood) && (ea.outwards.z > 0.6 || ea.outwards.y < -0.3) {
-            // The face, and the neck.
-            against_it -= 9.0;
-        }
-        if inwards {
-            // Armholes and necklines.
-            against_it -= 5.0;
-        }
-        against_it
     }
 }
