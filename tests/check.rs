@@ -118,8 +118,8 @@ fn real_patterns_raise_no_false_alarms() {
         data.join("bodies").join(if apart { "mean_all_apart.obj" } else { "mean_all.obj" })
     };
     let harmless = ["TOILE-P012", "TOILE-S012", "TOILE-A003", "TOILE-A004"];
-    // The hem of the one is a rib that is 18 cm smaller than the hips, the skirt of the other is drawn for another body: its fit
-    // is stretched by 7 %.
+    // The hem of the one is a rib that is 18 cm smaller than the hips: its fit is stretched by all that the gate lets pass. That of
+    // the other is stretched by 7 %.
     let small = ["hoodie", "upstream_dress_pencil"];
     for (name, _) in support::shared_patterns() {
         let path: PathBuf = data.join("patterns/garmentcode").join(format!("{name}.json"));

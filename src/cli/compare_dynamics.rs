@@ -11,7 +11,7 @@ use crate::geometry::Vector3;
 use crate::io::{atomic, length};
 use crate::minimize::Method;
 use crate::pattern::Fabric;
-use crate::prepositioning::{Settings, preposition};
+use crate::prepositioning::{FinishLine, Settings, preposition};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -61,6 +61,7 @@ pub fn run(
     let single = |minimizer: Method| Settings { minimizer, ..with_levels(settings, vec![finest]) };
     let fits = [
         ("all levels", settings.clone()),
+        ("all levels, to equilibrium", Settings { until: FinishLine::Equilibrium, ..settings.clone() }),
         ("one level", single(settings.minimizer)),
         ("one level by mass-scaled dynamic relaxation", single(Method::DynamicRelaxation)),
     ];

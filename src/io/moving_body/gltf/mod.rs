@@ -196,8 +196,10 @@ fn rest_weights(document: &Document, node: &gltf_json::Node) -> Vec<f64> {
 /// The nodes with meshes of the scene that is shown, in the file's order.
 fn mesh_nodes(document: &Document, nodes: &Nodes, names: &[String]) -> Result<Vec<usize>, Error> {
     let root = &document.root;
-    let mut shown = vec![root.scenes.is_empty(); nodes.order.len()];
-    if !root.scenes.is_empty() {
+    // Without any scene all is shown; one that is named has to be there.
+    let named = root.scene.is_some() || !root.scenes.is_empty();
+    let mut shown = vec![!named; nodes.order.len()];
+    if named {
         let scene = document.get(root.scene.unwrap_or(gltf_json::Index::new(0)), "scene")?;
         for node in &scene.nodes {
             document.get(*node, "node").map_err(|e| e.within("scene"))?;
