@@ -16,7 +16,7 @@ command -v valgrind >/dev/null || skip "there is no valgrind"
 # The figure is that of AVX2; other processors run other instructions.
 grep -qw avx2 /proc/cpuinfo 2>/dev/null || skip "this processor has no AVX2"
 
-program=$(cargo bench --locked --no-run --bench kernel_instructions 2>&1 | tee /dev/stderr \
+program=$(cargo bench --locked --no-run --bench kernel_instructions 2>&1 | tee -a /dev/stderr \
     | sed -n 's/.*Executable.*(\(.*\))$/\1/p')
 [ -x "$program" ] || { echo "cargo named no program to count." >&2; exit 1; }
 

@@ -208,3 +208,41 @@ fn wind_pushes_what_stands_across_it() {
     assert!((across - Vector3::new(0.0, expected, 0.0)).norm() < 1e-3 * expected, "{across}");
     assert!(push(Vector3::new(5.0, 0.0, 0.0)).norm() < 1e-9);
 }
+
+/// A sheet that is let go sinks while it settles, but slowly, and stands still in the end.
+#[test]
+fn cloth_that_settles_is_never_fast() {
+    let (level, positions) = sheet(0.04);
+    let (fabric, settings) = (soft(), Settings::default());
+    let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions.clone());
+    simulation.pin(&corners(&positions));
+    let course = simulation.settle(&mut no_body(), 0.2);
+    assert!(course.largest_speed <= SETTLING_SPEED * (1.0 + 1e-12), "{course:?}");
+    assert!(simulation.movement.velocities.iter().all(|v| *v == Vector3::zeros()));
+    let sunk = positions.iter().zip(&simulation.movement.positions).map(|(a, b)| a.y - b.y).fold(0.0, f64::max);
+    assert!(sunk > 5e-3, "{sunk}");
+}
+
+/// A ball bulges out by two millimetres between particles that are five centimetres apart: without looking between them it
+/// would come through.
+#[test]
+fn a_ball_does_not_come_through_between_the_particles() {
+    let (vertices, triangles) = crate::body::shapes::sphere(Vector3::new(0.2, 0.84, 0.2), 0.15, 20);
+    let (level, positions) = sheet(0.05);
+    let (fabric, settings) = (Fabric::default(), Settings::default());
+    let mut simulation = Simulation::new(&level, &fabric, &fabric, Model::default(), &settings, positions);
+    let mut surface = Surface::new(&vertices, &triangles, settings.broad_phase);
+    for _ in 0..10 {
+        simulation.frame(&mut surface, 0.04);
+    }
+    let at = |p: u32| simulation.movement.positions[p as usize];
+    let mut near = 0;
+    for edge in crate::geometry::EdgeTable::new(&level.particle_triangles()).edges {
+        let middle = (at(edge.ends[0]) + at(edge.ends[1])) * 0.5;
+        if let Some(place) = surface.nearest(middle, 0.01) {
+            assert!(place.distance > 0.0, "{middle} is {} m in the ball", -place.distance);
+            near += 1;
+        }
+    }
+    assert!(near > 5, "only {near} edges lie on the ball");
+}
