@@ -12,7 +12,8 @@
 //! ```
 //!
 //! A frame depends on the positions, the velocities, the body, and the little that contact remembers of each particle
-//! (`Remembered`): all else is forgotten at its start, so that a simulation that was stopped between two frames goes on with the same bytes.
+//! (`Remembered`): all else is forgotten at its start, so that a simulation that was stopped between two frames goes on
+//! with the same bytes.
 //!
 //! Not promised: that layers which a body squeezes together do not cross. The body wins.
 
