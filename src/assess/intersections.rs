@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::garment::Level;
-use crate::geometry::{RunTree, Vector3, triangles_intersect};
+use crate::geometry::{RunTree, Vector3, segment_meets_triangle, triangles_intersect};
 use rayon::prelude::*;
 
 /// Pairs of a cloth triangle and a body triangle that cross, in order.
@@ -25,8 +25,8 @@ pub fn body_intersections(level: &Level, positions: &[Vector3], body: &Body) -> 
         .collect()
 }
 
-/// Pairs of cloth triangles that cross, in order. Triangles that share a particle, within a panel or
-/// over a seam, are no pair.
+/// Pairs of cloth triangles that cross, in order. Triangles that share one particle, within a panel or over a seam, cross
+/// where the side of one that lies opposite to it passes through the other; triangles that share two have no such side.
 pub fn cloth_intersections(level: &Level, positions: &[Vector3]) -> Vec<[u32; 2]> {
     ClothCrossings::new(level, positions).pairs
 }
@@ -86,7 +86,16 @@ fn around(triangle: &[u32; 3], positions: &[Vector3]) -> (Vector3, Vector3) {
 fn cross(triangles: &[[u32; 3]], t: u32, u: u32, positions: &[Vector3]) -> bool {
     let (one, other) = (triangles[t as usize], triangles[u as usize]);
     let at = |p: u32| positions[p as usize];
-    one.iter().all(|p| !other.contains(p)) && triangles_intersect(one.map(at), other.map(at))
+    let opposite = |one: [u32; 3], shared: usize| [one[(shared + 1) % 3], one[(shared + 2) % 3]].map(at);
+    let mut shared = (0..3).filter_map(|k| Some((k, other.iter().position(|&p| p == one[k])?)));
+    match (shared.next(), shared.next()) {
+        (None, _) => triangles_intersect(one.map(at), other.map(at)),
+        (Some((k, l)), None) => {
+            segment_meets_triangle(opposite(one, k), other.map(at))
+                || segment_meets_triangle(opposite(other, l), one.map(at))
+        }
+        (Some(_), Some(_)) => false,
+    }
 }
 
 #[cfg(test)]
@@ -115,17 +124,32 @@ mod tests {
     }
 
     #[test]
-    fn crossing_panels_are_found_unless_they_are_sewn_at_a_corner() {
+    fn crossing_panels_are_found() {
         let mut level = two_triangles();
         let mut positions: Vec<Vector3> =
             [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.2, 0.2, -1.], [0.2, 0.3, 1.], [0.3, 0.2, 1.]]
                 .map(Vector3::from)
                 .to_vec();
         assert_eq!(cloth_intersections(&level, &positions), [[0, 1]]);
-        level.particle_of[3] = 0;
-        assert!(cloth_intersections(&level, &positions).is_empty());
-        level.particle_of[3] = 3;
         positions[3].z = 0.5;
+        assert!(cloth_intersections(&level, &positions).is_empty());
+    }
+
+    /// A side seam of trousers went through the triangle next but one: both triangles at the edge shared a corner with it.
+    #[test]
+    fn triangles_that_share_a_corner_cross_where_the_side_opposite_to_it_does() {
+        let mut level = two_triangles();
+        level.particle_of[3] = 0;
+        let mut positions: Vec<Vector3> =
+            [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [9., 9., 9.], [0.2, 0.3, 1.], [0.3, 0.2, -1.]]
+                .map(Vector3::from)
+                .to_vec();
+        assert_eq!(cloth_intersections(&level, &positions), [[0, 1]]);
+        positions[5].z = 0.5;
+        assert!(cloth_intersections(&level, &positions).is_empty());
+        // Hinged at two corners they fold, however far.
+        positions[5].z = -1.0;
+        level.particle_of[4] = 1;
         assert!(cloth_intersections(&level, &positions).is_empty());
     }
 
