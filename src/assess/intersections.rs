@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn crossing_panels_are_found() {
-        let mut level = two_triangles();
+        let level = two_triangles();
         let mut positions: Vec<Vector3> =
             [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0.2, 0.2, -1.], [0.2, 0.3, 1.], [0.3, 0.2, 1.]]
                 .map(Vector3::from)

@@ -426,6 +426,14 @@ impl<'a> BodyContact<'a> {
         }
     }
 
+    /// Lets particles that keep farther from the body than their clearance come nearer, each by so much, m.
+    pub fn let_nearer(&mut self, less: impl IntoIterator<Item = (u32, f64)>) {
+        for (p, by) in less {
+            let extra = &mut self.extra[p as usize];
+            *extra = (*extra - by).max(0.0);
+        }
+    }
+
     /// Asks particles to keep farther from the body, each by so much more than it does, m.
     pub fn keep_farther(&mut self, more: impl IntoIterator<Item = (u32, f64)>) {
         for (p, by) in more {
@@ -511,6 +519,24 @@ mod tests {
 
     fn settings(friction: f64) -> BodyContactSettings {
         BodyContactSettings { clearance: 0.003, stiffness: 500.0, friction }
+    }
+
+    #[test]
+    fn what_was_asked_to_keep_farther_may_come_nearer_again_but_not_than_its_clearance() {
+        let (body, field, level, positions) = scene();
+        let mut contact = BodyContact::new(&body, &field, &level, settings(0.0));
+        let least = |contact: &BodyContact| {
+            let held = positions.iter().zip(contact.hold(&positions)).map(|(p, by)| p + by);
+            held.map(|p| body.nearest(p, 1.0).unwrap().distance).fold(f64::INFINITY, f64::min)
+        };
+        let all = |by: f64| (0..positions.len() as u32).map(move |p| (p, by));
+        let clear = least(&contact);
+        contact.keep_farther(all(0.004));
+        assert!((least(&contact) - clear - 0.004).abs() < 2e-4);
+        contact.let_nearer(all(0.003));
+        assert!((least(&contact) - clear - 0.001).abs() < 2e-4);
+        contact.let_nearer(all(0.003));
+        assert!((least(&contact) - clear).abs() < 1e-12);
     }
 
     #[test]

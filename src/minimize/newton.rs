@@ -7,7 +7,8 @@
 //!
 //! A full step along a curved valley overshoots: turning cloth stretches to second order. Chords, steps
 //! with the old factor, lead back to the floor of the valley at a fraction of a step's price (Shamanskii
-//! 1967); step and chords are accepted together, and only if they lower the value.
+//! 1967); step and chords are accepted together, and only if they lower the value. Where cloth buckles the definite part
+//! makes too much of the curvature, and steps are too short: one that met hardly any is gone along twice as far.
 
 use super::{BlockMatrix, Cholesky, Iterate, Problem, Settings, Termination, dot};
 use crate::geometry::Vector3;
@@ -40,6 +41,9 @@ const LEAST_DESCENT: f64 = 1e-4;
 /// The farthest that a point moves in one step, in largest moves of the settings: those suit methods
 /// that know nothing of what is far away. A step so long is walked in parts.
 const STRIDE: f64 = 10.0;
+/// A step that lowered the value by more than this share of what its slope promises is tried at twice its length: the
+/// curvature that it was made for would leave a half.
+const HARDLY_CURVED: f64 = 0.7;
 /// Value differences below this share are rounding; there the gradient decides.
 const ROUNDING: f64 = 1e-13;
 /// After the whole Hessian was found indefinite, so many steps take its definite part, at most: twice
@@ -192,6 +196,11 @@ impl Newton {
             // Near the bottom rounding hides the descent, but not that the gradient has become small.
             let level = (trial_value - value).abs() <= ROUNDING * value.abs()
                 && dot(&self.trial_gradient, &self.step).abs() < -slope;
+            if enough && evaluations == 1 {
+                let left = most_evaluations - evaluations;
+                let (trial_value, spent) = self.go_on(problem, points, value, trial_value, largest_move, left);
+                return Walked { value: trial_value, evaluations: evaluations + spent, accepted: true };
+            }
             if enough || level {
                 return Walked { value: trial_value, evaluations, accepted: true };
             }
@@ -201,6 +210,38 @@ impl Newton {
             scale *= 0.25;
         }
         Walked { value, evaluations, accepted: false }
+    }
+
+    /// Goes on from `trial`, the end of a whole step that led to `trial_value`, along the same direction, twice as far each
+    /// time, while the value falls as if there were hardly any curvature. Returns the value that is reached and the
+    /// evaluations spent.
+    fn go_on(
+        &mut self,
+        problem: &mut impl SecondOrder,
+        points: &[Vector3],
+        value: f64,
+        mut trial_value: f64,
+        largest_move: f64,
+        most_evaluations: usize,
+    ) -> (f64, usize) {
+        let slope = dot(&self.gradient, &self.step);
+        let farthest = STRIDE * largest_move / longest(&self.step);
+        let (mut scale, mut spent) = (1.0, 0);
+        while spent < most_evaluations && trial_value < value + HARDLY_CURVED * scale * slope && 2.0 * scale <= farthest
+        {
+            scale *= 2.0;
+            self.chord.copy_from_slice(points);
+            advance(problem, &mut self.chord, &self.step, scale, largest_move);
+            let chord_value = problem.evaluate(&self.chord, &mut self.chord_gradient);
+            spent += 1;
+            if chord_value >= trial_value {
+                break;
+            }
+            trial_value = chord_value;
+            std::mem::swap(&mut self.trial, &mut self.chord);
+            std::mem::swap(&mut self.trial_gradient, &mut self.chord_gradient);
+        }
+        (trial_value, spent)
     }
 
     /// A step from `trial` with the old factor, as long as the curvature along it says. Its points come to
@@ -283,5 +324,72 @@ fn advance(problem: &mut impl Problem, points: &mut [Vector3], step: &[Vector3],
         moves.iter_mut().zip(step).for_each(|(m, s)| *m = s * (scale / parts));
         problem.limit(points, &mut moves);
         points.iter_mut().zip(&moves).for_each(|(p, m)| *p += m);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Pattern;
+    use super::super::chain::settings;
+    use super::*;
+    use nalgebra::Matrix3;
+
+    /// Points on springs to the origin, of unit stiffness, of which the Hessian makes [`TOO_STIFF`] times as much.
+    struct Overrated {
+        near: BlockMatrix,
+    }
+
+    const TOO_STIFF: f64 = 8.0;
+
+    impl Problem for Overrated {
+        fn evaluate(&mut self, points: &[Vector3], gradient: &mut [Vector3]) -> f64 {
+            gradient.copy_from_slice(points);
+            0.5 * dot(points, points)
+        }
+
+        fn curvature(&mut self, _points: &[Vector3], direction: &[Vector3]) -> f64 {
+            dot(direction, direction)
+        }
+
+        fn diagonal(&self) -> &[f64] {
+            &[1.0; 3]
+        }
+    }
+
+    impl SecondOrder for Overrated {
+        fn linearize(&mut self, _points: &[Vector3]) {
+            self.near.fill(|row, columns, blocks| {
+                let own = columns.binary_search(&(row as u32)).unwrap();
+                blocks[own] = Matrix3::identity() * TOO_STIFF;
+            });
+        }
+
+        fn keep_definite_part(&mut self) {}
+
+        fn hessian_times(&self, direction: &[Vector3], product: &mut [Vector3]) {
+            product.iter_mut().zip(direction).for_each(|(p, d)| *p = d * TOO_STIFF);
+        }
+
+        fn near_matrix(&self) -> &BlockMatrix {
+            &self.near
+        }
+    }
+
+    /// Whole steps alone would leave seven eighths of the way each time, and never more than a stride is gone at once.
+    #[test]
+    fn a_step_that_met_hardly_any_curvature_is_gone_along_farther() {
+        let mut problem = Overrated { near: BlockMatrix::zeros(Pattern::of_triangles(3, [[0, 1, 2]].into_iter())) };
+        let mut points = vec![Vector3::new(1.0, 2.0, 3.0); 3];
+        let mut before = points.clone();
+        let largest_move = 0.1;
+        let (termination, _, evaluations) =
+            Newton::new(3).run(&mut problem, &mut points, &settings(60, largest_move), |iterate| {
+                let gone = iterate.points.iter().zip(&before).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
+                assert!(gone <= STRIDE * largest_move * (1.0 + 1e-12), "{gone}");
+                before.copy_from_slice(iterate.points);
+                iterate.points.iter().all(|p| p.norm() < 1e-9)
+            });
+        assert_eq!(termination, Termination::Converged);
+        assert!(evaluations < 30, "{evaluations}");
     }
 }

@@ -80,6 +80,24 @@ pub fn clear_body(
     clearing
 }
 
+/// Lets particles that keep farther from the body than all triangles around them need to come nearer again: clearing
+/// widens in steps, and what was in its way may have moved since.
+pub fn let_nearer(scene: &Scene, level: usize, problem: &mut Relaxation, positions: &[Vector3]) {
+    let cloth = &scene.garment.levels[level];
+    let needed = scene.settings.clearance - 0.5 * CLEARANCE_TOLERANCE;
+    let mut spare = vec![MOST_NEARER; positions.len()];
+    for (t, distance) in near_triangles(cloth, positions, scene.body, needed + MOST_NEARER) {
+        for p in cloth.particles(t as usize) {
+            let least = &mut spare[p as usize];
+            *least = least.min((distance - needed).max(0.0));
+        }
+    }
+    problem.body.let_nearer((0..).zip(spare));
+}
+
+/// By how much a particle comes nearer at once, at most, m.
+const MOST_NEARER: f64 = 3e-3;
+
 /// Parts layers that are pressed together to less than half their thickness, by making their contact stiffer; what
 /// that presses into the body is taken out again. Returns the evaluations that it took.
 pub fn part_layers(

@@ -177,6 +177,8 @@ fn settle(
         settled |= !let_go && is_settled(scene, level, problem, run, positions, sliding);
         if !let_go && (run.evaluations >= sliding || settled || termination != Termination::Budget) {
             let_go = true;
+            // What is clear before the last runs finds its balance in them.
+            run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
             if settled {
                 budget = run.evaluations + RUN_LENGTH;
             }
@@ -214,10 +216,13 @@ fn settle(
         }
     }
     run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
+    let mut excess = SLIGHT_EXCESS;
     for _ in 0..MOST_SECOND_LOOKS {
-        if settings.until != FinishLine::HandOff || !is_slightly_strained(scene, level, positions) {
+        let before = std::mem::replace(&mut excess, strain_excess(scene, level, positions));
+        if settings.until != FinishLine::HandOff || excess <= 0.0 || excess >= before {
             break;
         }
+        finish::let_nearer(scene, level, problem, positions);
         run.steps(scene, level, problem, positions, RUN_LENGTH, observer);
         residual_at(problem, positions);
         problem.body.correct(positions);
@@ -258,19 +263,18 @@ fn is_settled(
     too_tight || strain.p99 < CLEARLY * LARGEST_STRAIN_P99 && strain.mean < CLEARLY * LARGEST_STRAIN_MEAN
 }
 
-/// Is the strain beyond the limits of the hand-off, but by so little that cloth which has just been taken out of the body
-/// may give way that much?
-fn is_slightly_strained(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
+/// By which share of its limits the hand-off's strain is beyond them; negative within.
+fn strain_excess(scene: &Scene, level: usize, positions: &[Vector3]) -> f64 {
     let cloth = &scene.garment.levels[level];
     let strain = Strain::of(cloth, positions, &gather_allowance(scene.pattern, cloth));
-    let beyond = (strain.p99 / LARGEST_STRAIN_P99).max(strain.mean / LARGEST_STRAIN_MEAN);
-    beyond > 1.0 && beyond < SLIGHTLY
+    (strain.p99 / LARGEST_STRAIN_P99).max(strain.mean / LARGEST_STRAIN_MEAN) - 1.0
 }
 
-/// How far strain may be beyond its limits, over them, to be worth another run.
-const SLIGHTLY: f64 = 1.04;
+/// An excess below which cloth that has just been taken out of the body may give way that much: it is worth another run,
+/// and one more as long as that lowers it.
+const SLIGHT_EXCESS: f64 = 0.04;
 /// How many such runs there are at most.
-const MOST_SECOND_LOOKS: usize = 4;
+const MOST_SECOND_LOOKS: usize = 8;
 
 /// N.
 fn weight(problem: &Relaxation) -> f64 {
