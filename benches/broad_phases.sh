@@ -50,7 +50,7 @@ done
 # How the nearest skin is looked for
 
 What \`toile simulate --broad-phase\` chooses among: a tree of boxes over all triangles; one box, oriented box or sphere around each patch of
-some two hundred triangles (Kaynar Kabul 2004); depth maps from the front and from behind, with the tree where they are not sure (Vassilev,
+a hundred triangles or two (Kaynar Kabul 2004); depth maps from the front and from behind, with the tree where they are not sure (Vassilev,
 Spanlang and Chrysanthou 2001, section 4.2). [theory.md](theory.md#dynamics) tells how. Machine: $cpu, one thread, $(rustc --version | cut -d' ' -f1,2). Commit
 $commit. Written by \`benches/broad_phases.sh DATA OUT\`; processor seconds, on a machine that was shared with other work, medians of
 five rounds, and of three simulations that took turns (\`dress\` at 10 mm: one).
