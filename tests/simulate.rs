@@ -71,6 +71,38 @@ fn threads_and_pauses_change_no_byte_of_a_motion() {
     assert!(talk(&output).contains("another simulation"), "{}", talk(&output));
 }
 
+/// Maps and collision levels: the same bytes on any number of threads, and no pause without the same levels.
+#[test]
+fn panels_run_into_what_they_are_to() {
+    let bench = Bench::new();
+    let body = mannequin();
+    let fine = |output: Output| assert_eq!(output.status.code(), Some(0), "{}", talk(&output));
+    let levels = ["--frames", "5", "--collide", "*=others", "--collide", "*sleeve*=none"];
+    let maps = [&levels[..], &["--broad-phase", "maps"]].concat();
+    fine(bench.simulate(&body, "one", &[&maps[..], &["--threads", "1"]].concat()));
+    fine(bench.simulate(&body, "two", &[&maps[..], &["--threads", "2"]].concat()));
+    assert!(bench.motion("one") == bench.motion("two"), "threads changed the motion");
+    fine(bench.simulate(&body, "all", &["--frames", "5"]));
+    let report = |out: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(bench.path(out).join("simulation.json")).unwrap()).unwrap()
+    };
+    let told = report("one")["settings"]["collide"].as_array().unwrap().clone();
+    assert_eq!(told.len(), 6);
+    assert!(told.contains(&serde_json::json!(["left_sleeve_front", "none"])), "{told:?}");
+    assert!(told.contains(&serde_json::json!(["front", "others"])), "{told:?}");
+    assert_eq!(report("all")["settings"]["collide"], serde_json::json!([]));
+    // Sleeves fall through the arms; what else there is still keeps clear of the body.
+    assert!(bench.motion("one") != bench.motion("all"));
+    for frame in report("one")["frames"].as_array().unwrap() {
+        assert!(frame["measured"]["deepest_mm"].as_f64().unwrap() < 1.0, "{frame}");
+    }
+    // Other levels are another simulation.
+    let other = ["--frames", "6", "--broad-phase", "maps", "--collide", "*=others", "--resume"];
+    let output = bench.simulate(&body, "one", &other);
+    assert_eq!(output.status.code(), Some(3), "{}", talk(&output));
+    assert!(talk(&output).contains("another simulation"), "{}", talk(&output));
+}
+
 #[test]
 fn what_cannot_be_simulated_ends_in_a_message_that_names_the_place() {
     let bench = Bench::new();
@@ -78,12 +110,18 @@ fn what_cannot_be_simulated_ends_in_a_message_that_names_the_place() {
     let broken = bench.path("broken.glb");
     std::fs::write(&broken, b"glTF\x02\0\0\0\x05\0\0\0").unwrap();
     let nobody = bench.path("nobody.glb");
-    let cases: [(&Path, &[&str], i32, &str); 6] = [
+    let from = body.to_str().unwrap();
+    let cases: [(&Path, &[&str], i32, &str); 11] = [
         (&broken, &[], 3, "broken.glb"),
         (&nobody, &[], 3, "nobody.glb"),
         (&body, &["--integrator", "simplectic-euler"], 2, "symplectic-euler"),
         (&body, &["--wind", "1,2"], 2, "three numbers"),
         (&body, &["--damping", "7"], 2, "damping"),
+        (&body, &["--collide", "front"], 2, "names no level"),
+        (&body, &["--collide", "front=sometimes"], 2, "none, body, others, all"),
+        (&body, &["--collide", "frnt=none"], 2, "\"front\""),
+        (&body, &["--broad-phase", "spherse"], 2, "spheres"),
+        (&body, &["--broad-phase", "maps", "--from", from], 2, "stands still"),
         (&body, &["--resume"], 3, "checkpoint.toile"),
     ];
     for (body, more, status, word) in cases {

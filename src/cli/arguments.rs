@@ -343,7 +343,7 @@ pub struct Simulate {
     /// symplectic-euler, midpoint, runge-kutta-4, runge-kutta-fehlberg or implicit
     #[arg(long, value_name = "NAME", default_value = "symplectic-euler")]
     pub integrator: String,
-    /// How the nearest skin is looked for: tree, aligned-boxes, oriented-boxes or spheres
+    /// How the nearest skin is looked for: tree, aligned-boxes, oriented-boxes, spheres, or, of a body that stands still, maps
     #[arg(long, value_name = "NAME", default_value = "tree")]
     pub broad_phase: String,
     /// Velocity of the wind, metres a second
@@ -368,6 +368,10 @@ pub struct Simulate {
     /// Cloth may pass through cloth
     #[arg(long)]
     pub no_self_collision: bool,
+    /// What the panels of a name run into: none, body, others (body and other panels) or all; a * in the name stands for
+    /// anything, such as "pocket*=none". May be given several times, of which the last that fits counts
+    #[arg(long, value_name = "PANEL=LEVEL")]
+    pub collide: Vec<String>,
     /// Measure penetration and crossings at the end of every N-th frame; 0 for never
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub measure_every: usize,

@@ -4,6 +4,7 @@
 mod arguments;
 mod body;
 mod check;
+mod collide;
 mod compare;
 mod compare_dynamics;
 mod complaint;

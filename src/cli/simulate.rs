@@ -1,12 +1,13 @@
 //! `toile simulate`: fitted garments go along with a body that moves.
 
 use super::arguments::{Progress, Simulate, threads};
+use super::collide;
 use super::fit::start_threads;
 use super::inputs::tell;
 use super::simulation_results::{Inputs, Results};
 use super::{Failure, Status};
 use crate::body::{Body, Motion};
-use crate::dynamics::{BroadPhase, Course, Integrator, Settings, Simulation, Surface};
+use crate::dynamics::{BroadPhase, Collide, Collisions, Course, Integrator, Settings, Simulation, Surface};
 use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::io::checkpoint::{self, Checkpoint, Description};
@@ -60,11 +61,13 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     settings.clearance = fitted[0].state.settings.clearance;
     settings.stretch_limit = stretch_limit(asked.stretch_limit.as_deref(), &fitted)?;
     settings.check().map_err(Failure::Usage)?;
+    settings.collisions = collide::levels(&asked.collide, &fitted)?;
     let (motion, mut warnings) = open_motion(asked)?;
+    stands_still(&settings, asked, &motion)?;
     let shot = Shot::of(asked, &motion)?;
     let level = Level::together(&fitted.iter().map(Fitted::level).collect::<Vec<_>>());
     let positions: Vec<Vector3> = fitted.iter().flat_map(|f| &f.state.positions).copied().collect();
-    warnings.extend(in_another_pose(&shot, &positions, settings.broad_phase, asked)?);
+    warnings.extend(in_another_pose(&shot, &positions, &settings, &level, asked)?);
     let inputs = Inputs { fitted: &fitted, motion: &motion, settings: &settings, shot: &shot, asked };
     let silent = asked.progress == Progress::None;
     let told = tell(&warnings.iter().collect::<Vec<_>>(), silent);
@@ -98,7 +101,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
             return Err(blown_up(frame, &settings).into());
         }
         let measured = (asked.measure_every > 0 && frame.is_multiple_of(asked.measure_every))
-            .then(|| measure(&level, positions, &end, motion.triangles(), &surface));
+            .then(|| measure(&level, positions, &end, motion.triangles(), &surface, &settings.collisions));
         frames.push(record(frame, shot.duration, &course, measured));
         results.append(frame, positions)?;
         results.shoot(frame, positions, &end);
@@ -161,7 +164,7 @@ fn stretch_limit(asked: Option<&str>, fitted: &[Fitted]) -> Result<Option<f64>, 
 }
 
 /// What goes by a name.
-fn named<T: Copy>(what: &str, name: &str, all: &[(&'static str, T)]) -> Result<T, Error> {
+pub fn named<T: Copy>(what: &str, name: &str, all: &[(&'static str, T)]) -> Result<T, Error> {
     all.iter().find(|(known, _)| *known == name).map(|(_, one)| *one).ok_or_else(|| {
         let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
         let near = names.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
@@ -247,16 +250,29 @@ fn pose(file: &Path, motion: &Motion) -> Result<Vec<Vector3>, Error> {
     Ok(positions)
 }
 
+/// Maps are for bodies that stand still.
+fn stands_still(settings: &Settings, asked: &Simulate, motion: &Motion) -> Result<(), Failure> {
+    if settings.broad_phase != BroadPhase::Maps || (motion.frame_count() == 1 && asked.from.is_none()) {
+        return Ok(());
+    }
+    let problem = "Maps show the body at one moment, and this one moves all through a frame.";
+    let remedy = "Look for the nearest skin with tree, which is the default, or give a body that stands still.";
+    Err(Failure::Usage(Error::new(problem, remedy).within("--broad-phase maps")))
+}
+
 /// Is the garment where the body begins?
 fn in_another_pose(
     shot: &Shot,
     positions: &[Vector3],
-    broad_phase: BroadPhase,
+    settings: &Settings,
+    level: &Level,
     asked: &Simulate,
 ) -> Result<Option<Warning>, Error> {
-    let surface = Surface::new(&shot.at(0), shot.motion.triangles(), broad_phase);
-    let deep = |p: &&Vector3| surface.nearest(**p, 0.1).is_some_and(|place| place.distance < -ANOTHER_POSE);
-    let inside = positions.iter().filter(deep).count();
+    let surface = Surface::new(&shot.at(0), shot.motion.triangles(), settings.broad_phase);
+    let free = settings.collisions.free_of_body(level);
+    let deep = |p: &Vector3| surface.nearest(*p, 0.1).is_some_and(|place| place.distance < -ANOTHER_POSE);
+    let held = |k: usize| !free.get(k).is_some_and(|free| *free);
+    let inside = positions.iter().enumerate().filter(|(k, p)| held(*k) && deep(p)).count();
     if inside == 0 {
         return Ok(None);
     }
@@ -321,7 +337,7 @@ fn record(frame: usize, duration: f64, course: &Course, measured: Option<Measure
     }
 }
 
-/// Exact tests at the end of a frame. What the body's own skin hides, where a limb lies in another, is inside the body, but
+/// Exact tests at the end of a frame, of what is to keep clear. What the body's own skin hides, where a limb lies in another, is inside the body, but
 /// not deep in what can be seen of it.
 fn measure(
     level: &Level,
@@ -329,14 +345,22 @@ fn measure(
     body: &[Vector3],
     triangles: &[[u32; 3]],
     surface: &Surface,
+    collisions: &Collisions,
 ) -> Measured {
     use rayon::prelude::*;
-    let cloth_intersections = crate::assess::cloth_intersections(level, positions).len();
+    let panel_of = level.panel_of_triangle();
+    let panel = |triangle: u32| panel_of[triangle as usize] as usize;
+    let mut crossings = crate::assess::cloth_intersections(level, positions);
+    crossings.retain(|&[t, u]| collisions.meet(panel(t), panel(u)));
+    let cloth_intersections = crossings.len();
+    let free = collisions.free_of_body(level);
+    let held = |&(k, _): &(usize, &Vector3)| !free.get(k).is_some_and(|free| *free);
+    let held: Vec<Vector3> = positions.iter().enumerate().filter(held).map(|(_, p)| *p).collect();
     let near = |p: &&Vector3| surface.nearest(**p, NEAR_SKIN).is_some_and(|place| place.distance < NEAR_SKIN);
     let Ok((body, _)) = Body::new(body.to_vec(), triangles.to_vec()) else {
         // A frame may be no proper body; the surface that the cloth felt is then all there is to measure against.
         let depth = |p: &Vector3| surface.nearest(*p, 0.1).map_or(0.0, |place| (-place.distance).max(0.0));
-        let depths: Vec<f64> = positions.par_iter().map(depth).collect();
+        let depths: Vec<f64> = held.par_iter().map(depth).collect();
         return Measured {
             particles_inside: depths.iter().filter(|d| **d > 0.0).count(),
             deepest_mm: depths.iter().copied().fold(0.0, f64::max) * 1e3,
@@ -348,11 +372,13 @@ fn measure(
         true => body.nearest(*p, 0.2).map_or(0.2, |nearest| nearest.distance),
         false => 0.0,
     };
-    let depths: Vec<f64> = positions.par_iter().filter(near).map(depth).collect();
+    let depths: Vec<f64> = held.par_iter().filter(near).map(depth).collect();
+    let mut pierced = crate::assess::body_intersections(level, positions, &body);
+    pierced.retain(|&[t, _]| collisions.of(panel(t)) != Collide::Nothing);
     Measured {
         particles_inside: depths.iter().filter(|d| **d > 0.0).count(),
         deepest_mm: depths.iter().copied().fold(0.0, f64::max) * 1e3,
-        body_intersections: crate::assess::body_intersections(level, positions, &body).len(),
+        body_intersections: pierced.len(),
         cloth_intersections,
     }
 }

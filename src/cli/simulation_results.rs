@@ -1,6 +1,7 @@
 //! The folder of a simulation: motions, report, pictures.
 
 use super::arguments::Simulate;
+use super::collide;
 use super::results::prepare;
 use super::simulate::{Fitted, Shot};
 use crate::Error;
@@ -83,6 +84,7 @@ impl Inputs<'_> {
             "implicit_step": s.implicit_step,
             "settle_s": s.settle,
             "self_collision": s.self_collision,
+            "collide": collide::told(self.fitted, &s.collisions),
         })
     }
 }

@@ -49,7 +49,9 @@ impl Volume {
                 let (low, high) = enclosing(points.iter().map(|p| axes * p));
                 Volume::Box { axes, low, high }
             }
-            BroadPhase::AlignedBoxes | BroadPhase::Tree => Volume::Box { axes: Matrix3::identity(), low, high },
+            BroadPhase::AlignedBoxes | BroadPhase::Tree | BroadPhase::Maps => {
+                Volume::Box { axes: Matrix3::identity(), low, high }
+            }
         }
     }
 

@@ -82,7 +82,7 @@ impl Forces {
         let neighbours = Neighbours::new(level);
         let wind = (settings.wind != Vector3::zeros()).then(|| Wind::new(level, settings.wind));
         let classes = (0..level.particle_count as u32).collect();
-        let cloth = settings.self_collision.then(|| SelfContact::new(level, classes, contact));
+        let cloth = settings.self_collision.then(|| settings.collisions.of_cloth(level, classes, contact));
         let damping = settings.damping;
         Self {
             energy,

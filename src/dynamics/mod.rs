@@ -5,11 +5,13 @@
 //!
 //! ```text
 //!     velocities and moves by an integrator        integrator.rs, implicit.rs; forces in forces.rs, step in stability.rs
-//!     velocities against the moving body           response.rs, surface.rs, broad_phase.rs (Kaynar Kabul 2004)
+//!     velocities against the moving body           response.rs, surface.rs, broad_phase.rs (Kaynar Kabul 2004), depth_maps.rs
 //!     edges stretched to their limit               super_elasticity.rs (Vassilev and Spanlang 2001)
 //!     moves that lead through no cloth             contact::SelfContact
 //!     what is in the body is put back              response.rs
 //! ```
+//!
+//! What single panels do not run into stands in collisions.rs.
 //!
 //! A frame depends on the positions, the velocities, the body, and the little that contact remembers of each particle
 //! (`Remembered`): all else is forgotten at its start, so that a simulation that was stopped between two frames goes on
@@ -18,6 +20,8 @@
 //! Not promised: that layers which a body squeezes together do not cross. The body wins.
 
 mod broad_phase;
+mod collisions;
+mod depth_maps;
 mod forces;
 mod implicit;
 mod integrator;
@@ -29,6 +33,8 @@ mod stability;
 mod super_elasticity;
 mod surface;
 
+pub use collisions::{Collide, Collisions};
+pub use depth_maps::{Maps, Unsure};
 pub use forces::Forces;
 pub use integrator::Movement;
 pub use response::{Met, Remembered};
@@ -37,7 +43,7 @@ pub use settings::{BroadPhase, Integrator, Settings};
 pub use sewing::{Sewing, sew};
 pub use stability::Pace;
 pub use super_elasticity::SuperElasticity;
-pub use surface::{Place, Surface};
+pub use surface::{Looked, Place, Surface};
 
 use crate::energy::Model;
 use crate::garment::Level;
@@ -104,7 +110,8 @@ impl Simulation {
             elastic: SuperElasticity::new(level, settings.stretch_limit, &positions),
             middles: Middles::new(level),
             kinetic_energy: None,
-            response: Response::new(count, settings.clearance, fabric.friction, settings.restitution),
+            response: Response::new(count, settings.clearance, fabric.friction, settings.restitution)
+                .without(settings.collisions.free_of_body(level)),
             movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
             velocities: vec![Vector3::zeros(); count],
             moves: vec![Vector3::zeros(); count],

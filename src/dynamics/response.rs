@@ -70,6 +70,8 @@ struct Track {
     side: u32,
     /// The least velocity along the direction away from the skin that the last response left it, m/s.
     least: Option<(Vector3, f64)>,
+    /// Does it pass through the body?
+    free: bool,
 }
 
 impl Track {
@@ -83,6 +85,7 @@ impl Track {
         extra: 0.0,
         side: NOWHERE,
         least: None,
+        free: false,
     };
 }
 
@@ -147,10 +150,16 @@ impl Response {
         Self { tracks: vec![Track::UNKNOWN; particles], friction, restitution, clearance }
     }
 
+    /// The same, but for some particles, true in a list of all of them or of none, that pass through the body.
+    pub fn without(mut self, free: Vec<bool>) -> Self {
+        self.tracks.iter_mut().zip(free).for_each(|(track, free)| track.free = free);
+        self
+    }
+
     /// Forgets all places, but for the sides that particles are on: they are looked for again.
     pub fn look_afresh(&mut self) {
         for track in &mut self.tracks {
-            *track = Track { extra: track.extra, side: track.side, ..Track::UNKNOWN };
+            *track = Track { extra: track.extra, side: track.side, free: track.free, ..Track::UNKNOWN };
         }
     }
 
@@ -170,11 +179,12 @@ impl Response {
     /// energies at `positions`, N.
     pub fn take_over(&mut self, surface: &Surface, positions: &[Vector3], gradient: &[Vector3]) {
         let clearance = self.clearance;
-        let extra = |(p, g): (&Vector3, &Vector3)| {
-            let place = surface.nearest(*p, clearance + MOST_EXTRA)?;
+        let extra = |((track, p), g): ((&Track, &Vector3), &Vector3)| {
+            let place = surface.nearest(*p, clearance + MOST_EXTRA).filter(|_| !track.free)?;
             (g.dot(&place.normal) > 0.0).then_some((place.distance - clearance).max(0.0))
         };
-        let extra: Vec<f64> = positions.par_iter().zip(gradient).map(|at| extra(at).unwrap_or(0.0)).collect();
+        let each = self.tracks.par_iter().zip(positions).zip(gradient);
+        let extra: Vec<f64> = each.map(|at| extra(at).unwrap_or(0.0)).collect();
         self.tracks.iter_mut().zip(extra).for_each(|(track, extra)| track.extra = extra);
     }
 
@@ -332,7 +342,7 @@ impl Track {
         self.age += 1;
         self.carried += 1;
         self.close = false;
-        if self.slack > 0.0 {
+        if self.slack > 0.0 || self.free {
             return None;
         }
         let place = match self.place.filter(|_| self.age <= REMEMBERED) {
@@ -424,6 +434,18 @@ mod tests {
         );
         assert!(path.iter().all(|p| p.y > 0.002 - 1e-12));
         assert!((path.last().unwrap().y - 0.002).abs() < 1e-4, "{}", path.last().unwrap());
+    }
+
+    #[test]
+    fn what_runs_into_nothing_falls_through_the_body() {
+        let mut response = Response::new(1, 0.002, 0.4, 0.0).without(vec![true]);
+        let path = fall(&mut floor(), &mut response, Vector3::new(0.1, 0.05, 0.2), Vector3::zeros(), 500);
+        let expected = 0.05 - 0.5 * GRAVITY * 0.25;
+        assert!((path.last().unwrap().y - expected).abs() < 0.01, "{}", path.last().unwrap());
+        // And after it was remembered and looked for afresh.
+        response.look_afresh();
+        let path = fall(&mut floor(), &mut response, Vector3::new(0.1, 0.05, 0.2), Vector3::zeros(), 500);
+        assert!(path.last().unwrap().y < -1.0);
     }
 
     #[test]

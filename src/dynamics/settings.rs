@@ -1,5 +1,6 @@
 //! How cloth is moved through time.
 
+use super::collisions::Collisions;
 use crate::Error;
 use crate::geometry::Vector3;
 
@@ -43,14 +44,18 @@ pub enum BroadPhase {
     AlignedBoxes,
     OrientedBoxes,
     Spheres,
+    /// What is seen of the body from the front and from behind, where that is sure, else the tree. While the body moves, the
+    /// tree alone: maps are of one moment, and a body is on its way all through a frame.
+    Maps,
 }
 
 impl BroadPhase {
-    pub const ALL: [(&'static str, BroadPhase); 4] = [
+    pub const ALL: [(&'static str, BroadPhase); 5] = [
         ("tree", BroadPhase::Tree),
         ("aligned-boxes", BroadPhase::AlignedBoxes),
         ("oriented-boxes", BroadPhase::OrientedBoxes),
         ("spheres", BroadPhase::Spheres),
+        ("maps", BroadPhase::Maps),
     ];
 
     pub fn name(self) -> &'static str {
@@ -86,6 +91,8 @@ pub struct Settings {
     pub settle: f64,
     /// Does cloth keep clear of cloth?
     pub self_collision: bool,
+    /// What single panels do not run into.
+    pub collisions: Collisions,
 }
 
 impl Default for Settings {
@@ -104,6 +111,7 @@ impl Default for Settings {
             implicit_step: 2e-3,
             settle: 0.1,
             self_collision: true,
+            collisions: Collisions::default(),
         }
     }
 }

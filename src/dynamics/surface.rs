@@ -4,9 +4,11 @@
 //! where it goes, at whatever step. Volumes around triangles hold for a whole frame: they enclose the paths.
 
 use super::broad_phase::{Volumes, enclosing};
+use super::depth_maps::{Maps, Unsure};
 use super::settings::BroadPhase;
 use crate::geometry::{BoxTree, Incidence, Vector3, closest_on_triangle};
 use rayon::prelude::*;
+use std::cell::Cell;
 
 /// A closed triangle mesh on its way from one frame to the next.
 pub struct Surface {
@@ -29,6 +31,18 @@ pub struct Surface {
 enum Enclosures {
     Tree(BoxTree),
     Parts(Volumes),
+    /// The maps, and what is asked where they are not sure.
+    Maps(Box<Maps>, BoxTree),
+}
+
+/// How the nearest triangle was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Looked {
+    pub triangle: Option<u32>,
+    /// Distances of triangles that were computed.
+    pub tests: usize,
+    /// Why a map did not know it.
+    pub unsure: Option<Unsure>,
 }
 
 /// The place of a surface that is nearest to a point.
@@ -79,14 +93,22 @@ impl Surface {
         self.end.copy_from_slice(end);
         self.duration = duration;
         let squared = self.start.iter().zip(&self.end).map(|(a, b)| (b - a).norm_squared()).fold(0.0, f64::max);
+        let stood = self.largest_speed == 0.0;
         self.largest_speed = squared.sqrt() / duration;
-        self.enclose();
+        if !(stood && self.largest_speed == 0.0) {
+            self.enclose();
+        }
     }
 
     fn enclose(&mut self) {
         let path = |t: &[u32; 3]| enclosing(t.iter().flat_map(|&v| [self.start[v as usize], self.end[v as usize]]));
+        let tree = || BoxTree::new(self.triangles.iter().map(path));
         self.volumes = match self.broad_phase {
-            BroadPhase::Tree => Enclosures::Tree(BoxTree::new(self.triangles.iter().map(path))),
+            BroadPhase::Tree => Enclosures::Tree(tree()),
+            BroadPhase::Maps => {
+                let maps = (self.largest_speed == 0.0).then(|| Maps::draw(&self.start, &self.triangles)).flatten();
+                maps.map_or_else(|| Enclosures::Tree(tree()), |maps| Enclosures::Maps(Box::new(maps), tree()))
+            }
             kind => Enclosures::Parts(Volumes::new(kind, &self.triangles, &self.start, &self.end)),
         };
     }
@@ -129,11 +151,31 @@ impl Surface {
     /// The place nearest to a point, if one is within `reach`, m.
     pub fn nearest(&self, point: Vector3, reach: f64) -> Option<Place> {
         let to = |t: u32| (self.foot(t, point).1 - point).norm_squared();
-        let (triangle, _) = match &self.volumes {
-            Enclosures::Tree(tree) => tree.nearest(point, reach, to)?,
-            Enclosures::Parts(volumes) => volumes.nearest(point, reach, to)?,
+        let (triangle, _) = self.search(point, reach, to);
+        // A map may know of a place beyond the reach.
+        triangle.map(|triangle| self.refine(point, triangle)).filter(|place| place.distance.abs() < reach)
+    }
+
+    /// The triangle that the search begins with to find [`Self::nearest`], and what that took.
+    pub fn look(&self, point: Vector3, reach: f64) -> Looked {
+        let tests = Cell::new(0);
+        let to = |t: u32| {
+            tests.set(tests.get() + 1);
+            (self.foot(t, point).1 - point).norm_squared()
         };
-        Some(self.refine(point, triangle))
+        let (triangle, unsure) = self.search(point, reach, to);
+        Looked { triangle, tests: tests.get(), unsure }
+    }
+
+    fn search(&self, point: Vector3, reach: f64, to: impl Fn(u32) -> f64) -> (Option<u32>, Option<Unsure>) {
+        match &self.volumes {
+            Enclosures::Tree(tree) => (tree.nearest(point, reach, to).map(|(t, _)| t), None),
+            Enclosures::Parts(volumes) => (volumes.nearest(point, reach, to).map(|(t, _)| t), None),
+            Enclosures::Maps(maps, tree) => match maps.nearest(point, &to) {
+                Ok(triangle) => (Some(triangle), None),
+                Err(unsure) => (tree.nearest(point, reach, to).map(|(t, _)| t), Some(unsure)),
+            },
+        }
     }
 
     /// A place that was computed before, where its triangle has taken it, as a point sees it now. Its normal is kept, and
@@ -247,6 +289,27 @@ mod tests {
                     None => assert!(plain > 0.3),
                 }
             }
+        }
+    }
+
+    #[test]
+    fn while_a_body_moves_no_map_is_asked() {
+        let [mut maps, mut tree] = [BroadPhase::Maps, BroadPhase::Tree].map(ball);
+        let point = Vector3::new(0.01, 0.52, 0.505);
+        // No map knows what is within the body.
+        let asked = |maps: &Surface| maps.look(Vector3::new(0.0, 0.5, 0.0), 1.0).unsure.is_some();
+        assert!(maps.look(point, 0.1).unsure.is_none() && asked(&maps));
+        let resting = maps.positions().to_vec();
+        let end: Vec<Vector3> = resting.iter().map(|p| p - Vector3::new(0.0, 0.0, 0.003)).collect();
+        // It moves, stands there, and stands still.
+        for (end, moves) in [(&end, true), (&end, false), (&end, false), (&resting, true), (&resting, false)] {
+            for surface in [&mut maps, &mut tree] {
+                surface.move_to(end, 0.1);
+                surface.advance(1.0);
+            }
+            assert_eq!(asked(&maps), !moves);
+            let [found, expected] = [&maps, &tree].map(|surface| surface.nearest(point, 0.1).unwrap());
+            assert_eq!(found.distance, expected.distance);
         }
     }
 

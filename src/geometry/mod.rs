@@ -1,5 +1,6 @@
 //! Geometry that knows nothing of cloth: points, triangles, distances, exact predicates.
 
+pub mod coverage;
 mod incidence;
 mod intersection;
 mod nearest;

@@ -91,6 +91,15 @@ pub struct ActivePair {
     pub curvature: f64,
 }
 
+/// Which cloth the cloth of a panel is kept clear of, as far as that is kept clear as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Meets {
+    Nothing,
+    OtherPanels,
+    #[default]
+    All,
+}
+
 /// Contact of one level with itself.
 pub struct SelfContact {
     pub settings: SelfContactSettings,
@@ -116,6 +125,16 @@ pub struct SelfContact {
 impl SelfContact {
     /// `class_of` tells which particles are to be sewn together.
     pub fn new(level: &Level, class_of: Vec<u32>, settings: SelfContactSettings) -> Self {
+        Self::by_panel(level, class_of, settings, |_| Meets::All)
+    }
+
+    /// The same, where `meets` tells of each panel what it is kept clear of.
+    pub fn by_panel(
+        level: &Level,
+        class_of: Vec<u32>,
+        settings: SelfContactSettings,
+        meets: impl Fn(usize) -> Meets,
+    ) -> Self {
         let triangles = level.particle_triangles();
         let mut clearance = vec![settings.clearance; level.particle_count];
         for (t, particles) in triangles.iter().enumerate() {
@@ -127,11 +146,20 @@ impl SelfContact {
                 }
             }
         }
+        // What nothing meets is left out. Triangles of one group do not meet each other.
+        let (mut met, mut groups) = (Vec::new(), Vec::new());
+        for (triangle, panel) in triangles.iter().zip(level.panel_of_triangle()) {
+            let meets = meets(panel as usize);
+            if meets != Meets::Nothing {
+                met.push(*triangle);
+                groups.push((meets == Meets::OtherPanels).then_some(panel));
+            }
+        }
         let largest_clearance = clearance.iter().copied().fold(0.0, larger);
         Self {
             settings,
             most_drift: DRIFT_SHARE * 0.5 * (settings.reach - largest_clearance),
-            finder: PairFinder::new(&triangles, class_of, settings.reach),
+            finder: PairFinder::new(&met, class_of, settings.reach).with_groups(groups),
             clearance,
             pairs: Vec::new(),
             origin_distance: Vec::new(),
@@ -365,6 +393,44 @@ mod tests {
                 }
             }
             prop_assert!(size < 0.4 || partly > 0);
+        }
+
+        /// Pairs of a panel that does not meet itself are those that lie in it altogether; what meets nothing has none.
+        #[test]
+        fn panels_meet_what_they_are_to_meet(seed in 0.0..100.0f64) {
+            let (mut level, positions) = crumpled_tube(0.03, seed);
+            // Cut in two.
+            let [one] = &level.panels[..] else { panic!("a tube is of one panel") };
+            let half = one.triangles.len() / 2;
+            let mut other = one.clone();
+            other.triangles.start += half;
+            level.panels[0].triangles.end = other.triangles.start;
+            level.panels.push(other);
+            let (triangles, panel_of) = (level.particle_triangles(), level.panel_of_triangle());
+            let in_panel = |p: u32, panel: u32| triangles.iter().zip(&panel_of).any(|(t, of)| *of == panel && t.contains(&p));
+            let settings = SelfContactSettings { clearance: 0.003, stiffness: 1.0, reach: 0.03 };
+            let pairs = |meets: [Meets; 2]| {
+                let classes = (0..level.particle_count as u32).collect();
+                let mut contact = SelfContact::by_panel(&level, classes, settings, |panel| meets[panel]);
+                contact.rebuild(&positions);
+                let mut pairs = contact.pairs;
+                pairs.sort_unstable();
+                pairs
+            };
+            let all = pairs([Meets::All; 2]);
+            let others = pairs([Meets::OtherPanels; 2]);
+            let one_alone = pairs([Meets::All, Meets::Nothing]);
+            prop_assert!(others.len() < all.len() && one_alone.len() < all.len() && !one_alone.is_empty());
+            prop_assert!(others.iter().chain(&one_alone).all(|pair| all.binary_search(pair).is_ok()));
+            for pair in &all {
+                let within = |panel: u32| pair.particles.iter().all(|&p| in_panel(p, panel));
+                prop_assert!(others.binary_search(pair).is_ok() || within(0) || within(1), "{pair:?}");
+                // Of a triangle beyond the border all corners may be on it.
+                let clear_of_other = pair.particles.iter().all(|&p| !in_panel(p, 1));
+                let kept = one_alone.binary_search(pair).is_ok();
+                prop_assert!(if kept { within(0) } else { !clear_of_other }, "{pair:?}");
+            }
+            prop_assert!(pairs([Meets::Nothing; 2]).is_empty());
         }
 
         /// No pair that pushes is passed over.

@@ -106,6 +106,8 @@ pub struct PairFinder {
     faces: Vec<Face>,
     /// Class of each particle: those of one class are, or will be, sewn to one. Empty where each is its own.
     class_of: Vec<u32>,
+    /// Of each face, if it is in one: those of a group make no pairs. Empty where none is in any.
+    groups: Vec<Option<u32>>,
     /// Boxes around the faces, grown by half the reach. Empty before the first search.
     tree: RunTree,
     /// m.
@@ -121,7 +123,21 @@ impl PairFinder {
         if (0..).zip(&class_of).all(|(p, &class)| p == class) {
             class_of = Vec::new();
         }
-        Self { faces, class_of, tree: RunTree::new(std::iter::empty()), reach }
+        Self { faces, class_of, groups: Vec::new(), tree: RunTree::new(std::iter::empty()), reach }
+    }
+
+    /// The same, but without the pairs within a group of faces. One group or none for each face.
+    pub fn with_groups(mut self, groups: Vec<Option<u32>>) -> Self {
+        if groups.iter().any(Option::is_some) {
+            self.groups = groups;
+        }
+        self
+    }
+
+    fn is_grouped(&self, t: u32, u: u32) -> bool {
+        !self.groups.is_empty()
+            && self.groups[t as usize].is_some()
+            && self.groups[t as usize] == self.groups[u as usize]
     }
 
     #[inline]
@@ -177,6 +193,9 @@ impl PairFinder {
         wanted: impl Fn(&[u32], &[u32]) -> bool,
         found: &mut Vec<(Pair, f64)>,
     ) {
+        if self.is_grouped(faces[0], faces[1]) {
+            return;
+        }
         let [one, other] = faces.map(|t| &self.faces[t as usize]);
         // Bit `3 i + j`: corner `i` of the one and corner `j` of the other are, or will be, sewn to one.
         let (classes, others) = (self.classes(one), self.classes(other));

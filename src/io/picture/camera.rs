@@ -5,8 +5,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::coverage::Corner;
 use super::scene::is_drawable;
+use crate::geometry::coverage::Corner;
 
 /// A view of the scene. Angles in radians, lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

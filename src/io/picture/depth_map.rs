@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::coverage::{Budget, Corner, Coverage, Rect};
 use super::scene::{Mesh, unit_or_zero};
+use crate::geometry::coverage::{Budget, Corner, Coverage, Rect};
 
 /// A square window on the mesh along one direction, wide enough for all of it.
 ///

@@ -31,7 +31,6 @@ mod ambient;
 mod camera;
 mod color;
 mod convergence;
-mod coverage;
 mod crossings;
 mod depth_map;
 mod diverging;

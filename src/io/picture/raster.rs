@@ -1,8 +1,8 @@
 //! What the camera sees: for every sample of a tile the nearest triangle or line.
 
 use super::camera::Camera;
-use super::coverage::{Budget, Corner, Coverage, Rect, SAMPLES, sample_offset};
 use super::scene::Mesh;
+use crate::geometry::coverage::{Budget, Corner, Coverage, Rect, SAMPLES, sample_offset};
 
 /// Edge of a tile, pixels. Small enough that the sample buffers of a tile (128 kB) stay in the cache.
 pub(super) const TILE: i64 = 32;

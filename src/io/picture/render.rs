@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use super::ambient::{self, BothSides};
 use super::camera::{Axes, Camera, View};
 use super::color::Color;
-use super::coverage::Rect;
 use super::image::{Canvas, Image};
 use super::key_light::KeyLight;
 use super::raster::Raster;
 use super::scene::{Lighting, Mesh, Scene};
 use super::shade::Shader;
 use super::studio::{Floor, backdrop, smooth_step};
+use crate::geometry::coverage::Rect;
 
 /// Renders one view of a scene.
 ///

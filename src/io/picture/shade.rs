@@ -10,10 +10,10 @@ use nalgebra::Vector3;
 
 use super::ambient::{BothSides, Openness};
 use super::color::{Color, luminance};
-use super::coverage::Corner;
 use super::key_light::KeyLight;
 use super::raster::{Fragment, Primitive, Raster};
 use super::scene::{Lighting, Mesh, unit_or_zero};
+use crate::geometry::coverage::Corner;
 
 /// How strong the lights are; 1 shows a white surface that faces the light as white.
 struct Rig {

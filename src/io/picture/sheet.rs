@@ -1,12 +1,12 @@
 //! Several views of one scene side by side, framed on the garment.
 
 use super::camera::View;
-use super::coverage::Rect;
 use super::image::Canvas;
 use super::render::Stage;
 use super::scene::Scene;
 use super::studio::backdrop;
 use super::subject::Focus;
+use crate::geometry::coverage::Rect;
 
 /// What is to be drawn around the views, pixels.
 #[derive(Clone, Copy, Debug, Default)]

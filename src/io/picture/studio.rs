@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use super::ambient;
 use super::camera::Camera;
 use super::color::{Color, color_from_srgb};
-use super::coverage::Rect;
 use super::image::Canvas;
 use super::scene::Mesh;
+use crate::geometry::coverage::Rect;
 
 /// Background in the middle of the picture and in its corners, sRGB. Neutral, so that it takes no side in colors.
 const BACKDROP_MIDDLE: u32 = 0xf4f3f1;

@@ -13,19 +13,19 @@ const FARTHEST: f64 = (1 << 20) as f64;
 
 /// A corner of a triangle on the fixed-point grid of a picture or map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
+pub struct Corner {
     /// Units from the left and from the top.
     units: [i64; 2],
     /// Anything that is linear over the picture.
-    pub(super) depth: f64,
+    pub depth: f64,
 }
 
 impl Corner {
     /// A corner that cannot be drawn; nor can any triangle that has it.
-    pub(super) const OUTSIDE: Self = Self { units: [i64::MIN; 2], depth: 0.0 };
+    pub const OUTSIDE: Self = Self { units: [i64::MIN; 2], depth: 0.0 };
 
     /// The corner at a place, pixels; [`Corner::OUTSIDE`] if that is too far away or not a number.
-    pub(super) fn new(x: f64, y: f64, depth: f64) -> Self {
+    pub fn new(x: f64, y: f64, depth: f64) -> Self {
         // A NaN fails both comparisons.
         let is_near = x.abs() <= FARTHEST && y.abs() <= FARTHEST;
         if !is_near {
@@ -35,18 +35,18 @@ impl Corner {
         Self { units, depth }
     }
 
-    pub(super) fn is_outside(&self) -> bool {
+    pub fn is_outside(&self) -> bool {
         self.units == Self::OUTSIDE.units
     }
 
     /// Pixels from the left and from the top, as snapped.
-    pub(super) fn pixels(&self) -> [f64; 2] {
+    pub fn pixels(&self) -> [f64; 2] {
         self.units.map(|units| units as f64 / UNITS as f64)
     }
 }
 
 /// Samples in a pixel.
-pub(super) const SAMPLES: usize = 16;
+pub const SAMPLES: usize = 16;
 
 /// The samples of a pixel, units from its upper left corner: a sheared 4 × 4 grid, which has sixteen different rows
 /// and sixteen different columns, so that nearly level and nearly upright edges get all sixteen shades.
@@ -63,26 +63,26 @@ const SAMPLE_OFFSETS: [[i64; 2]; SAMPLES] = {
 };
 
 /// Where a sample lies in its pixel, pixels from the upper left corner.
-pub(super) fn sample_offset(sample: usize) -> [f64; 2] {
+pub fn sample_offset(sample: usize) -> [f64; 2] {
     SAMPLE_OFFSETS[sample].map(|units| units as f64 / UNITS as f64)
 }
 
 /// Pixels `x0..x1` × `y0..y1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Rect {
-    pub(super) x0: i64,
-    pub(super) y0: i64,
-    pub(super) x1: i64,
-    pub(super) y1: i64,
+pub struct Rect {
+    pub x0: i64,
+    pub y0: i64,
+    pub x1: i64,
+    pub y1: i64,
 }
 
 impl Rect {
     /// Number of pixels.
-    pub(super) fn area(self) -> i64 {
+    pub fn area(self) -> i64 {
         (self.x1 - self.x0).max(0) * (self.y1 - self.y0).max(0)
     }
 
-    pub(super) fn intersection(self, other: Self) -> Self {
+    pub fn intersection(self, other: Self) -> Self {
         Self {
             x0: self.x0.max(other.x0),
             y0: self.y0.max(other.y0),
@@ -97,26 +97,26 @@ impl Rect {
 const MOST_COVERINGS: i64 = 100;
 
 /// The work that may still be spent on a picture or map, pixels.
-pub(super) struct Budget(i64);
+pub struct Budget(i64);
 
 impl Budget {
-    pub(super) fn new(picture: Rect) -> Self {
+    pub fn new(picture: Rect) -> Self {
         Self(MOST_COVERINGS * picture.area().max(1))
     }
 
     /// Takes the work for an area from what is left; false when there is none.
-    pub(super) fn spend(&mut self, area: Rect) -> bool {
+    pub fn spend(&mut self, area: Rect) -> bool {
         self.0 -= area.area();
         self.0 >= 0
     }
 }
 
 /// A triangle on the grid, ready to be asked for the pixels it covers.
-pub(super) struct Coverage {
+pub struct Coverage {
     /// Edge functions `a x + b y + c`, x and y in units; a sample is covered when all three are at least zero.
     edges: [[i64; 3]; 3],
     /// Pixels that may be covered.
-    pub(super) bounds: Rect,
+    pub bounds: Rect,
     /// Depth value of the corners as a plane over the picture: at the corner of the bounds, per pixel right, per
     /// pixel down.
     plane: [f64; 3],
@@ -124,13 +124,13 @@ pub(super) struct Coverage {
 
 impl Coverage {
     /// For asking about samples. None for a triangle without area or with a corner [`Corner::OUTSIDE`].
-    pub(super) fn of_samples(corners: &[Corner; 3]) -> Option<Self> {
+    pub fn of_samples(corners: &[Corner; 3]) -> Option<Self> {
         Self::new(corners, |low, high| [low.div_euclid(UNITS), high.div_euclid(UNITS) + 1])
     }
 
     /// For asking about the middles of pixels. None also for a triangle that is too small to cover any, which in a
     /// coarse map most are.
-    pub(super) fn of_middles(corners: &[Corner; 3]) -> Option<Self> {
+    pub fn of_middles(corners: &[Corner; 3]) -> Option<Self> {
         let half = UNITS / 2;
         Self::new(corners, |low, high| [(low + half - 1).div_euclid(UNITS), (high + half).div_euclid(UNITS)])
     }
@@ -160,13 +160,13 @@ impl Coverage {
     }
 
     /// The depth value at a place, pixels.
-    pub(super) fn depth(&self, x: f64, y: f64) -> f64 {
+    pub fn depth(&self, x: f64, y: f64) -> f64 {
         let [at_corner, right, down] = self.plane;
         at_corner + right * (x - self.bounds.x0 as f64) + down * (y - self.bounds.y0 as f64)
     }
 
     /// Calls `visit(x, y)` for every pixel within `clip` whose middle is covered.
-    pub(super) fn for_each_pixel(&self, clip: Rect, mut visit: impl FnMut(i64, i64)) {
+    pub fn for_each_pixel(&self, clip: Rect, mut visit: impl FnMut(i64, i64)) {
         let area = self.bounds.intersection(clip);
         for y in area.y0..area.y1 {
             let mut at = self.edges_at(area.x0 * UNITS + UNITS / 2, y * UNITS + UNITS / 2);
@@ -183,7 +183,7 @@ impl Coverage {
 
     /// Calls `visit(x, y, mask)` for every pixel within `clip` that has a covered sample; bit k of the mask is
     /// sample k.
-    pub(super) fn for_each_sample_mask(&self, clip: Rect, mut visit: impl FnMut(i64, i64, u16)) {
+    pub fn for_each_sample_mask(&self, clip: Rect, mut visit: impl FnMut(i64, i64, u16)) {
         let area = self.bounds.intersection(clip);
         let [first, second, third]: [[i64; SAMPLES]; 3] =
             self.edges.map(|[a, b, _]| SAMPLE_OFFSETS.map(|[x, y]| a * x + b * y));
