@@ -58,6 +58,9 @@ fn threads_and_pauses_change_no_byte_of_a_motion() {
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(bench.path("one/simulation.json")).unwrap()).unwrap();
     assert_eq!(report["schema"], "toile-simulation/1");
+    // The mannequin stands, and a T-shirt does not hang from a waist.
+    assert!(report["settings"]["floor_m"].as_f64().unwrap().abs() < 0.01, "{report}");
+    assert_eq!(report["settings"]["waist_particles"], serde_json::json!([0]));
     let frames = report["frames"].as_array().unwrap();
     assert_eq!(frames.len(), 4);
     for frame in frames {
@@ -111,7 +114,7 @@ fn what_cannot_be_simulated_ends_in_a_message_that_names_the_place() {
     std::fs::write(&broken, b"glTF\x02\0\0\0\x05\0\0\0").unwrap();
     let nobody = bench.path("nobody.glb");
     let from = body.to_str().unwrap();
-    let cases: [(&Path, &[&str], i32, &str); 11] = [
+    let cases: [(&Path, &[&str], i32, &str); 13] = [
         (&broken, &[], 3, "broken.glb"),
         (&nobody, &[], 3, "nobody.glb"),
         (&body, &["--integrator", "simplectic-euler"], 2, "symplectic-euler"),
@@ -123,6 +126,8 @@ fn what_cannot_be_simulated_ends_in_a_message_that_names_the_place() {
         (&body, &["--broad-phase", "spherse"], 2, "spheres"),
         (&body, &["--broad-phase", "maps", "--from", from], 2, "stands still"),
         (&body, &["--resume"], 3, "checkpoint.toile"),
+        (&body, &["--floor", "ground"], 2, "no height of a floor"),
+        (&body, &["--waist", "tied"], 2, "held, free"),
     ];
     for (body, more, status, word) in cases {
         let output = bench.simulate(body, "out", more);

@@ -372,6 +372,13 @@ pub struct Simulate {
     /// anything, such as "pocket*=none". May be given several times, of which the last that fits counts
     #[arg(long, value_name = "PANEL=LEVEL")]
     pub collide: Vec<String>,
+    /// What keeps a garment up that hangs from its waist, as skirts and trousers do
+    #[arg(long, value_enum, default_value_t = Waist::Held)]
+    pub waist: Waist,
+    /// Height of the floor, such as "0 mm"; "body" for the lowest point of the body in its motion; or "none" [default:
+    /// body, if it stands at y = 0]
+    #[arg(long, value_name = "HEIGHT", allow_hyphen_values = true)]
+    pub floor: Option<String>,
     /// Measure penetration and crossings at the end of every N-th frame; 0 for never
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub measure_every: usize,
@@ -384,6 +391,14 @@ pub struct Simulate {
     /// What to tell on the way, on the standard error stream
     #[arg(long, value_enum, default_value_t = Progress::Auto)]
     pub progress: Progress,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waist {
+    /// Its waist line goes along with the body and does not sink
+    Held,
+    /// Friction alone
+    Free,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::geometry::Vector3;
 use crate::io::{atomic, length};
 use crate::minimize::Method;
 use crate::pattern::Fabric;
-use crate::prepositioning::{FinishLine, Settings, preposition};
+use crate::prepositioning::{FinishLine, Settings, preposition, waist_line};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -51,10 +51,12 @@ pub fn run(
     let surface = || Surface::new(body.body.positions(), body.body.triangles(), dynamics.broad_phase);
     let release = |level: &Level, positions: Vec<Vector3>, fitted: bool| {
         let mut surface = surface();
+        let waist = waist_line(&pattern.pattern, level, &positions);
         let mut simulation = Simulation::new(level, fabric, fabric, settings.model, &dynamics, positions);
         if fitted {
             simulation.take_over(&surface);
         }
+        simulation.hold_waist(&surface, &waist);
         come_to_rest(&mut simulation, &mut surface, dynamics.settle, MOST)
     };
     let finest = *settings.resolutions.last().expect("there is a level");

@@ -12,6 +12,7 @@ mod convert;
 mod demo;
 mod export;
 mod fit;
+mod floor;
 mod inputs;
 mod place;
 mod progress;

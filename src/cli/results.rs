@@ -14,7 +14,7 @@ use crate::io::report::{Host, RunFacts, Solve, report, to_json};
 use crate::io::state::{self, State};
 use crate::io::{atomic, garment_obj, glb, pattern_file};
 use crate::pattern::Fabric;
-use crate::prepositioning::{Outcome, Outfit, Settings};
+use crate::prepositioning::{Outcome, Outfit, Settings, waist_line};
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 
@@ -104,6 +104,7 @@ fn state_of(run: &Run) -> State {
         settings: run.settings.clone(),
         positions: run.outcome.positions.clone(),
         shifts: run.outcome.shifts.clone(),
+        waist: waist_line(&run.pattern.pattern, run.outcome.finest(), &run.outcome.positions),
     }
 }
 

@@ -1,8 +1,9 @@
 //! `toile simulate`: fitted garments go along with a body that moves.
 
-use super::arguments::{Progress, Simulate, threads};
+use super::arguments::{Progress, Simulate, Waist, threads};
 use super::collide;
 use super::fit::start_threads;
+use super::floor::floor;
 use super::inputs::tell;
 use super::simulation_results::{Inputs, Results};
 use super::{Failure, Status};
@@ -60,11 +61,12 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     let fitted: Vec<Fitted> = asked.fits.iter().map(|fit| Fitted::open(fit)).collect::<Result<_, _>>()?;
     settings.clearance = fitted[0].state.settings.clearance;
     settings.stretch_limit = stretch_limit(asked.stretch_limit.as_deref(), &fitted)?;
-    settings.check().map_err(Failure::Usage)?;
     settings.collisions = collide::levels(&asked.collide, &fitted)?;
     let (motion, mut warnings) = open_motion(asked)?;
     stands_still(&settings, asked, &motion)?;
     let shot = Shot::of(asked, &motion)?;
+    settings.floor = floor(asked.floor.as_deref(), &motion, &shot.at(0))?;
+    settings.check().map_err(Failure::Usage)?;
     let level = Level::together(&fitted.iter().map(Fitted::level).collect::<Vec<_>>());
     let positions: Vec<Vector3> = fitted.iter().flat_map(|f| &f.state.positions).copied().collect();
     warnings.extend(in_another_pose(&shot, &positions, &settings, &level, asked)?);
@@ -79,6 +81,9 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     let (touching, model) = (Fabric::touching(&fabrics), fitted[0].state.settings.model);
     let cut = Cut::ByPanel(&by_panel);
     let mut simulation = Simulation::new(&level, cut, &touching, model, &settings, positions);
+    if asked.waist == Waist::Held {
+        hold_waists(&mut simulation, &shot, &settings, &fitted);
+    }
     let digest = inputs.digest()?;
     let (settled, mut frames) = match asked.resume {
         true => go_on(&asked.out, &digest, &mut simulation)?,
@@ -295,6 +300,17 @@ fn blown_up(frame: usize, settings: &Settings) -> Error {
         _ => "Use more damping, or report it with the files: it should not happen.",
     };
     Error::new("The cloth flew apart: positions are no numbers any more.", remedy).within(format!("frame {frame}"))
+}
+
+/// Has garments hang from their waists on the body in its first pose, where their fits left them.
+fn hold_waists(simulation: &mut Simulation, shot: &Shot, settings: &Settings, fitted: &[Fitted]) {
+    let surface = Surface::new(&shot.at(0), shot.motion.triangles(), settings.broad_phase);
+    let mut first = 0;
+    for fitted in fitted {
+        let waist: Vec<u32> = fitted.state.waist.iter().map(|p| first + p).collect();
+        simulation.hold_waist(&surface, &waist);
+        first += fitted.level().particle_count as u32;
+    }
 }
 
 /// Takes the garments over from their fits, and lets them find their balance on the body in its first pose.

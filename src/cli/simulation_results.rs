@@ -1,6 +1,6 @@
 //! The folder of a simulation: motions, report, pictures.
 
-use super::arguments::Simulate;
+use super::arguments::{Simulate, Waist};
 use super::collide;
 use super::results::prepare;
 use super::simulate::{Fitted, Shot};
@@ -85,6 +85,9 @@ impl Inputs<'_> {
             "settle_s": s.settle,
             "self_collision": s.self_collision,
             "collide": collide::told(self.fitted, &s.collisions),
+            "waist": if self.asked.waist == Waist::Held { "held" } else { "free" },
+            "waist_particles": self.fitted.iter().map(|f| f.state.waist.len()).collect::<Vec<_>>(),
+            "floor_m": s.floor,
         })
     }
 }

@@ -5,6 +5,7 @@
 //!
 //! ```text
 //!     velocities and moves by an integrator        integrator.rs, implicit.rs; forces in forces.rs, step in stability.rs
+//!     velocities of waist lines and on the floor   waistband.rs, floor.rs
 //!     velocities against the moving body           response.rs, surface.rs, broad_phase.rs (Kaynar Kabul 2004), depth_maps.rs
 //!     edges stretched to their limit               super_elasticity.rs (Vassilev and Spanlang 2001)
 //!     moves that lead through no cloth             contact::SelfContact
@@ -22,6 +23,7 @@
 mod broad_phase;
 mod collisions;
 mod depth_maps;
+mod floor;
 mod forces;
 mod implicit;
 mod integrator;
@@ -32,6 +34,7 @@ mod sewing;
 mod stability;
 mod super_elasticity;
 mod surface;
+mod waistband;
 
 pub use collisions::{Collide, Collisions};
 pub use depth_maps::{Maps, Unsure};
@@ -50,10 +53,12 @@ use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::CHUNK;
 use crate::pattern::{Cut, Fabric};
+use floor::Floor;
 use implicit::Implicit;
 use integrator::{Stepper, for_all};
 use rayon::prelude::*;
 use response::{Middles, Response};
+use waistband::Waistband;
 
 /// Cloth of one level that moves about a body.
 pub struct Simulation {
@@ -62,6 +67,8 @@ pub struct Simulation {
     stepper: Stepper,
     elastic: SuperElasticity,
     response: Response,
+    waistbands: Vec<Waistband>,
+    floor: Option<Floor>,
     middles: Middles,
     /// Of the last step, J, while cloth settles.
     kinetic_energy: Option<f64>,
@@ -112,6 +119,13 @@ impl Simulation {
             kinetic_energy: None,
             response: Response::new(count, settings.clearance, fabric.friction, settings.restitution)
                 .without(settings.collisions.free_of_body(level)),
+            waistbands: Vec::new(),
+            floor: settings.floor.map(|height| Floor {
+                height,
+                clearance: settings.clearance,
+                friction: fabric.friction,
+                restitution: settings.restitution,
+            }),
             movement: Movement { positions, velocities: vec![Vector3::zeros(); count] },
             velocities: vec![Vector3::zeros(); count],
             moves: vec![Vector3::zeros(); count],
@@ -145,6 +159,12 @@ impl Simulation {
         self.forces.look_afresh(&self.movement.positions);
         self.forces.gradient(&self.movement.positions, &mut gradient);
         self.response.take_over(surface, &self.movement.positions, &gradient);
+    }
+
+    /// Keeps the waist line of a garment, its particles where they are now, from sinking along the surface, on which a fit
+    /// has left them. A simulation that is gone on with has to hold it before it takes over where that stopped.
+    pub fn hold_waist(&mut self, surface: &Surface, particles: &[u32]) {
+        self.waistbands.extend(Waistband::new(surface, &self.movement.positions, particles));
     }
 
     /// What contact remembers: with the movement all that a later frame depends on.
@@ -233,7 +253,9 @@ impl Simulation {
 
     /// One step of at most `step`, s, at a time within a frame of some duration; returns the step taken.
     fn step(&mut self, surface: &mut Surface, step: f64, (elapsed, duration): (f64, f64)) -> (f64, Met) {
-        let Self { movement, forces, stepper, elastic, response, velocities, moves, dampened, .. } = self;
+        let Self {
+            movement, forces, stepper, elastic, response, waistbands, floor, velocities, moves, dampened, ..
+        } = self;
         let step = stepper.advance(forces, movement, step, velocities, moves);
         // Mean velocities over the step, which limits and contact act upon; what they change stays in the new ones.
         let mean = moves;
@@ -244,9 +266,21 @@ impl Simulation {
             for_all(mean, |p, m| *m += dampened[p] - velocities[p]);
         }
         for_all(velocities, |p, v| *v = dampened[p] - mean[p]);
+        // The body has the last word.
+        for band in &mut *waistbands {
+            band.look(surface, &movement.positions, step);
+            band.hold(mean);
+        }
+        if let Some(floor) = floor {
+            floor.respond(&movement.positions, mean, step);
+        }
         let met = response.respond(surface, &movement.positions, mean, step);
         // After friction: what limbs drag apart slips.
         elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
+        waistbands.iter().for_each(|band| band.hold(mean));
+        if let Some(floor) = floor {
+            floor.hold_off(&movement.positions, mean, step);
+        }
         response.hold_off(mean);
         for_all(mean, |_, m| *m *= step);
         if forces.limit(&movement.positions, mean) {

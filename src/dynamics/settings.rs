@@ -93,6 +93,8 @@ pub struct Settings {
     pub self_collision: bool,
     /// What single panels do not run into.
     pub collisions: Collisions,
+    /// Height of the floor, m, if there is one.
+    pub floor: Option<f64>,
 }
 
 impl Default for Settings {
@@ -112,6 +114,7 @@ impl Default for Settings {
             settle: 0.1,
             self_collision: true,
             collisions: Collisions::default(),
+            floor: None,
         }
     }
 }
@@ -134,6 +137,7 @@ impl Settings {
         within("implicit_step", self.implicit_step, 1e-6, 0.05)?;
         within("settle", self.settle, 0.0, 60.0)?;
         within("wind", self.wind.norm(), 0.0, 100.0)?;
+        within("floor", self.floor.unwrap_or(0.0), -1000.0, 1000.0)?;
         within("stretch_limit", self.stretch_limit.unwrap_or(0.05), 1e-4, 10.0)
     }
 }

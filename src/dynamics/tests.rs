@@ -246,3 +246,55 @@ fn a_ball_does_not_come_through_between_the_particles() {
     }
     assert!(near > 5, "only {near} edges lie on the ball");
 }
+
+/// A tube wider than the ball inside it would fall. Held by its upper edge it goes along with the ball, the same on any number
+/// of threads and after a pause; a floor catches what is not held.
+#[test]
+fn a_skirt_that_is_held_goes_along_and_what_falls_lies_on_the_floor() {
+    let (vertices, triangles) = crate::body::shapes::sphere(Vector3::new(0.0, 1.0, 0.0), 0.1, 20);
+    let garment = Garment::build(&crate::pattern::shapes::tube(0.7, 0.2), &[0.02]).unwrap();
+    let level = &garment.levels[0];
+    let mut positions = vec![Vector3::zeros(); level.particle_count];
+    for (rest, &p) in level.rest.iter().zip(&level.particle_of) {
+        let (sin, cos) = (rest.x / 0.7 * std::f64::consts::TAU).sin_cos();
+        positions[p as usize] = Vector3::new(0.1114 * sin, 0.85 + rest.y, 0.1114 * cos);
+    }
+    let waist: Vec<u32> = (0..positions.len() as u32).filter(|&p| positions[p as usize].y > 1.049).collect();
+    let fabric = Fabric::default();
+    let settings = Settings { floor: Some(0.8), ..Settings::default() };
+    let lifted = |frame: u32| vertices.iter().map(|v| v + Vector3::y() * (0.02 * f64::from(frame))).collect::<Vec<_>>();
+    let run = |threads: usize, waist: &[u32], frames: u32, pause: u32| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let start = || {
+                let mut simulation =
+                    Simulation::new(level, &fabric, &fabric, Model::default(), &settings, positions.clone());
+                simulation.hold_waist(&Surface::new(&lifted(0), &triangles, settings.broad_phase), waist);
+                simulation
+            };
+            let mut simulation = start();
+            let mut surface = Surface::new(&lifted(0), &triangles, settings.broad_phase);
+            for frame in 0..frames {
+                if frame == pause {
+                    let (movement, remembered) = (simulation.movement.clone(), simulation.remembered());
+                    simulation = start();
+                    simulation.movement = movement;
+                    simulation.remember(&remembered);
+                }
+                surface.move_to(&lifted(frame + 1), 0.04);
+                simulation.frame(&mut surface, 0.04);
+            }
+            simulation.movement
+        })
+    };
+    let held = run(1, &waist, 6, 99);
+    for &p in &waist {
+        let (start, now) = (positions[p as usize].y, held.positions[p as usize].y);
+        assert!(now > start + 0.12 - 1e-3, "particle {p} sank from {start} to {now}");
+    }
+    assert!(held == run(2, &waist, 6, 3), "threads or a pause changed the result");
+    let free = run(2, &[], 10, 99);
+    let lowest = free.positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    assert!(lowest > 0.8 && lowest < 0.803, "{lowest}");
+    assert!(waist.iter().all(|&p| free.positions[p as usize].y < 1.01));
+}

@@ -40,6 +40,9 @@ pub struct State {
     pub positions: Vec<Vector3>,
     /// How far each panel was moved before its seams closed, m; finite.
     pub shifts: Vec<Vector3>,
+    /// Particles of the waist line that the garment hangs from; none if it hangs from elsewhere, and of states that were
+    /// written before this was recorded.
+    pub waist: Vec<u32>,
 }
 
 const MAGIC: &[u8; 8] = b"TOILE\0\r\n";
@@ -61,10 +64,12 @@ pub fn write(state: &State) -> Vec<u8> {
         settings,
         positions,
         shifts,
+        waist,
     } = state;
     let (fabric, settings) = (fabric_toml::write(fabric), settings_toml::write(settings));
     let (positions, shifts) = (vector_bytes(positions), vector_bytes(shifts));
-    let sections: [(&[u8; 4], &[u8]); 10] = [
+    let waist: Vec<u8> = waist.iter().flat_map(|p| p.to_le_bytes()).collect();
+    let sections: [(&[u8; 4], &[u8]); 11] = [
         (b"VERS", toile_version.as_bytes()),
         (b"NAME", pattern_name.as_bytes()),
         (b"PATT", pattern_text.as_bytes()),
@@ -75,6 +80,7 @@ pub fn write(state: &State) -> Vec<u8> {
         (b"SETT", settings.as_bytes()),
         (b"POSI", &positions),
         (b"SHIF", &shifts),
+        (b"WAIS", &waist),
     ];
     let length = HEADER_BYTES + sections.iter().map(|(_, bytes)| 12 + bytes.len()).sum::<usize>() + CHECKSUM_BYTES;
     let mut file = Vec::with_capacity(length);
@@ -107,6 +113,7 @@ pub fn read(bytes: &[u8]) -> Result<State, Error> {
         settings,
         positions: sections.vectors(b"POSI")?,
         shifts: sections.vectors(b"SHIF")?,
+        waist: sections.particles(b"WAIS")?,
     })
 }
 
@@ -126,6 +133,9 @@ impl State {
                 ),
                 "Fit the garment again with this version.",
             ));
+        }
+        if let Some(beyond) = self.waist.iter().find(|&&p| p as usize >= particles) {
+            return Err(damaged(format!("Particle {beyond} of the waist line is none of {particles}.")));
         }
         Ok((pattern, garment))
     }
@@ -217,6 +227,16 @@ impl<'b> Sections<'b> {
         text.map(str::to_owned).map_err(|_| damaged(format!("The section {} is not UTF-8.", tag.escape_ascii())))
     }
 
+    /// Numbers of particles; none if the section is not there.
+    fn particles(&self, tag: &[u8; 4]) -> Result<Vec<u32>, Error> {
+        let Ok(bytes) = self.bytes(tag) else { return Ok(Vec::new()) };
+        let (numbers, rest) = bytes.as_chunks::<4>();
+        if !rest.is_empty() {
+            return Err(damaged(format!("The section {} ends within a number.", tag.escape_ascii())));
+        }
+        Ok(numbers.iter().map(|number| u32::from_le_bytes(*number)).collect())
+    }
+
     fn vectors(&self, tag: &[u8; 4]) -> Result<Vec<Vector3>, Error> {
         let bytes = self.bytes(tag)?;
         let (vectors, rest) = bytes.as_chunks::<24>();
@@ -258,6 +278,7 @@ mod tests {
             settings: Settings { resolutions, ..Settings::default() },
             positions,
             shifts: vec![Vector3::zeros(), Vector3::new(0.1, -0.0, 1.0 / 3.0)],
+            waist: vec![2, 0, 3],
         }
     }
 
@@ -283,6 +304,21 @@ mod tests {
         let mut other = state();
         other.positions.pop();
         assert!(other.rebuild().unwrap_err().problem().contains("particles"));
+        let beyond = State { waist: vec![1, 1_000_000], ..state() };
+        assert!(beyond.rebuild().unwrap_err().problem().contains("waist line"));
+    }
+
+    #[test]
+    fn a_state_without_a_waist_line_is_one_that_holds_none() {
+        // As toile wrote it before waist lines were recorded: without the last section.
+        let with = write(&state());
+        let without = with.len() - CHECKSUM_BYTES - (12 + 4 * state().waist.len());
+        let mut older = with[..without].to_vec();
+        older.extend([0; CHECKSUM_BYTES]);
+        let length = (older.len() as u64).to_le_bytes();
+        older[12..20].copy_from_slice(&length);
+        let read = read(&with_checksum(older)).unwrap();
+        assert_eq!((read.waist, read.positions), (Vec::new(), state().positions));
     }
 
     #[test]

@@ -15,12 +15,14 @@ mod prolongation;
 mod relaxing;
 mod settings;
 mod sewing;
+mod waist_line;
 
 pub use hessian::Hessian;
 pub use outcome::{CurvePoint, Event, LevelSummary, Observer, Outcome};
 pub use outfit::{Garments, Outfit};
 pub use problem::{Relaxation, Residual};
 pub use settings::{COARSEST_LEVEL, DEFAULT_CLEARANCE, FinishLine, Settings};
+pub use waist_line::waist_line;
 
 use crate::Error;
 use crate::arrangement::{Arrangement, Care, SIGHT_MARGIN, arrange, check_placement};

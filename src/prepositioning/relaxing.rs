@@ -359,7 +359,7 @@ impl Waist {
 }
 
 /// A garment whose top is at most this far above its waist line hangs from the waist, m: a waistband.
-const HANGS_FROM_WAIST: f64 = 0.2;
+pub(super) const HANGS_FROM_WAIST: f64 = 0.2;
 
 /// The minimizer's memory and what it has done on a level.
 struct Run {
