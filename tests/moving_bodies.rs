@@ -435,3 +435,58 @@ fn no_damage_to_caches_and_captures_stops_their_readers() {
     let bvh = format!("HIERARCHY\n{foot}MOTION\nFrames: 2\nFrame Time: 0.04\n0 0 0 0 0 0\n90 0 0 10 20 30\n");
     attack(bvh.as_bytes(), 700, |bytes| through("a.bvh", &glb, bytes));
 }
+
+/// A garment on the skeleton of the box, taken over in a pose that is not its bind pose, is where it was put in that pose
+/// and goes along in the others.
+#[test]
+fn a_skinned_garment_is_where_the_fit_put_it_and_follows_the_clip() {
+    use toile::io::{embedded, garmentcode, glb};
+    let (pattern, _) = garmentcode::parse(embedded::TEE, "tee").unwrap();
+    let garment = toile::garment::Garment::build(&pattern, &[0.04]).unwrap();
+    let level = garment.levels.last().unwrap();
+    let body = Glb::bent_box().bytes();
+    let options = Options { frame_rate: Some(2.0), ..Options::default() };
+    let read = |bytes: &[u8]| Rig::read(bytes, &[], &mut |_| unreachable!()).unwrap();
+    let (skin, warnings) = read(&body).skin(&options, 1).unwrap();
+    assert!(warnings.is_empty() && skin.clips.len() == 1 && skin.clips[0].channels.len() == 1);
+    // A centimetre above the skin of the box, all over it.
+    let on = |k: usize| {
+        let t = skin.triangles[k % skin.triangles.len()].map(|v| skin.positions[v as usize]);
+        let (a, b) = ((k as f64 * 0.618).fract(), (k as f64 * 0.7548).fract());
+        let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+        let normal = (t[1] - t[0]).cross(&(t[2] - t[0])).normalize();
+        t[0] + (t[1] - t[0]) * a + (t[2] - t[0]) * b + normal * 0.01
+    };
+    let positions: Vec<Vector3> = (0..level.particle_count).map(on).collect();
+    let file = glb::write_skinned(&pattern, level, &positions, &skin).unwrap();
+    gltf::Gltf::from_slice(&file).unwrap();
+    let (motion, _) = read(&file).play(&options).unwrap();
+    assert_eq!(motion.frame_count(), 3);
+    assert_eq!(motion.vertex_count(), level.particle_count, "seams are welded by the reader");
+    let moved: Vec<Vec<Vector3>> = (0..3).map(|k| motion.positions(k)).collect();
+    let (later, _) = read(&body).skin(&options, 2).unwrap();
+    let mut carried = 0;
+    for (k, position) in positions.iter().enumerate() {
+        let distance = |v: &usize| (moved[1][*v] - position).norm();
+        let v = (0..moved[1].len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+        assert!(distance(&v) < 1e-6, "{} m away", distance(&v));
+        // What lies on the lid follows the second joint alone.
+        let corners = skin.triangles[k % skin.triangles.len()];
+        if corners.iter().all(|&v| skin.influences[v as usize] == [(1, 1.0)]) {
+            let (now, then) = (&skin.carriers[1].world_from_rest, &later.carriers[1].world_from_rest);
+            let rest = now.fixed_view::<3, 3>(0, 0).try_inverse().unwrap() * (position - now.column(3));
+            let expected = then.fixed_view::<3, 3>(0, 0) * rest + then.column(3);
+            assert!((moved[2][v] - expected).norm() < 1e-6, "{} instead of {expected}", moved[2][v]);
+            carried += 1;
+        }
+    }
+    assert!(carried > 20, "only {carried} particles lie on the lid");
+    // A joint without size, and a garment elsewhere.
+    let mut flat = skin.clone();
+    flat.carriers.iter_mut().for_each(|c| c.world_from_rest.column_mut(1).fill(0.0));
+    let error = glb::write_skinned(&pattern, level, &positions, &flat).unwrap_err();
+    assert!(error.problem().contains("flatten") && error.problem().contains("\"foot\""), "{error}");
+    let away: Vec<Vector3> = positions.iter().map(|p| p + Vector3::x() * 9.0).collect();
+    assert!(glb::write_skinned(&pattern, level, &away, &skin).unwrap_err().problem().contains("nowhere near"));
+    assert!(read(&body).skin(&options, 3).unwrap_err().problem().contains("no frame 3"));
+}

@@ -172,6 +172,17 @@ impl Motion {
         }
     }
 
+    /// The bones of frame `k`, from rest to world; none of a motion of which every frame was given.
+    ///
+    /// # Panics
+    /// If there are not so many frames.
+    pub fn bones(&self, k: usize) -> Option<&[Affine]> {
+        match &self.poses {
+            Poses::Baked(_) => None,
+            Poses::Skinned(skinned) => Some(&skinned.bones[k * skinned.bone_count..][..skinned.bone_count]),
+        }
+    }
+
     /// The positions of frame `k`; see [`Self::frame`].
     pub fn positions(&self, k: usize) -> Vec<Vector3> {
         let mut positions = Vec::new();

@@ -260,7 +260,8 @@ pub struct Export {
     /// Fitted garment: the folder of a fit, or its state.toile
     #[arg(value_name = "FIT")]
     pub fit: PathBuf,
-    /// What for, one or several with commas between: blender, usd, newton, contourcraft, npz, ply, pc2, mdd, glb, obj
+    /// What for, one or several with commas between: blender, usd, newton, contourcraft, npz, ply, pc2, mdd, glb,
+    /// glb-skinned, obj
     #[arg(long, value_name = "TARGETS", required = true, value_delimiter = ',')]
     pub to: Vec<String>,
     /// Folder for the files, made if it is not there
@@ -275,6 +276,18 @@ pub struct Export {
     /// The garment as it was fitted, even where a motion is there
     #[arg(long, conflicts_with_all = ["motion", "frames"])]
     pub still: bool,
+    /// Animated body, a glTF file, whose joints the garment of glb-skinned follows
+    #[arg(long, value_name = "BODY")]
+    pub skin: Option<PathBuf>,
+    /// Clip of that file in whose pose the garment is, by name or number [default: the first]
+    #[arg(long, value_name = "NAME", requires = "skin")]
+    pub clip: Option<String>,
+    /// Frames a second at which that clip is counted [default: those of the file, else 24]
+    #[arg(long, value_name = "RATE", requires = "skin")]
+    pub fps: Option<f64>,
+    /// Frame of that clip in whose pose the garment is, counted from 0
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "skin")]
+    pub skin_frame: usize,
 }
 
 /// How to solve; what is not given is taken from the settings file, or else has its default.

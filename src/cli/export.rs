@@ -2,8 +2,10 @@
 
 use super::arguments::Export;
 use super::{Failure, Status, complaint, results};
-use crate::io::export::{Chosen, Frames, MotionPart, NamedFile, Origin, Sequence, Source, Target, write_set};
+use crate::io::export::{Chosen, Frames, MotionPart, NamedFile, Origin, Sequence, SkinPart, Source, Target, write_set};
 use crate::io::motion_cache::MotionReader;
+use crate::io::moving_body::gltf::Skin;
+use crate::io::moving_body::{self, Options};
 use crate::io::state::{self, State};
 use crate::io::{length, read};
 use crate::{Error, Warning};
@@ -22,12 +24,20 @@ pub fn run(asked: &Export) -> Result<Status, Failure> {
     let state_sha256 = read::sha256(&bytes);
     let mut motion = motion_file(asked, &file).map(|path| open_motion(path, &state, &state_sha256)).transpose()?;
     let level = garment.levels.last().expect("a garment has at least one level");
-    let source = Source { pattern: &pattern, level, fabric: &state.fabric, clearance: state.settings.clearance };
+    let (skin, skin_part) = skin(asked, &targets)?.unzip();
+    let source = Source {
+        pattern: &pattern,
+        level,
+        fabric: &state.fabric,
+        clearance: state.settings.clearance,
+        skin: skin.as_ref(),
+    };
     let mut origin = Origin {
         state_sha256: read::hexadecimal(&state_sha256),
         pattern: NamedFile { name: state.pattern_name.clone(), sha256: state.pattern_sha256.clone() },
         body: NamedFile { name: state.body_name.clone(), sha256: state.body_sha256.clone() },
         motion: None,
+        skin: skin_part,
     };
     let mut still = Sequence::still(std::mem::take(&mut state.positions));
     let mut chosen;
@@ -60,6 +70,21 @@ pub fn run(asked: &Export) -> Result<Status, Failure> {
         asked.out.display()
     );
     Ok(Status::Fine)
+}
+
+/// The body that a skinned garment follows, if one is asked for, and what the manifest tells of it.
+fn skin(asked: &Export, targets: &[Target]) -> Result<Option<(Skin, SkinPart)>, Failure> {
+    let Some(body) = &asked.skin else { return Ok(None) };
+    if !targets.contains(&Target::GlbSkinned) {
+        let remedy = "Add glb-skinned to the targets, or leave --skin out.";
+        return Err(Failure::Usage(Error::new("No target follows a skin.", remedy).within("--skin")));
+    }
+    let options = Options { clip: asked.clip.clone(), frame_rate: asked.fps, ..Options::default() };
+    let (skin, warnings) = moving_body::skin(body, &options, asked.skin_frame)?;
+    warnings.iter().for_each(complaint::print_warning);
+    let name = body.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let file = NamedFile { name, sha256: read::sha256_hex(&read::bytes(body)?) };
+    Ok(Some((skin, SkinPart { file, clip: asked.clip.clone(), frame: asked.skin_frame })))
 }
 
 fn targets(asked: &[String]) -> Result<Vec<Target>, Failure> {

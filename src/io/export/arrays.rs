@@ -87,7 +87,7 @@ mod tests {
     fn the_arrays_are_those_of_the_level() {
         let (pattern, garment, positions) = two_panels();
         let level = &garment.levels[1];
-        let source = Source { pattern: &pattern, level, fabric: &Fabric::default(), clearance: 0.0007 };
+        let source = Source { pattern: &pattern, level, fabric: &Fabric::default(), clearance: 0.0007, skin: None };
         let mut frames = Sequence { frame_rate: 30.0, frames: vec![positions.clone(), positions.clone()] };
         let mut file = Cursor::new(Vec::new());
         write_garment(&source, &mut frames, &mut file).unwrap();

@@ -21,6 +21,8 @@ pub struct Origin {
     pub body: NamedFile,
     /// `null` for a garment at rest.
     pub motion: Option<MotionPart>,
+    /// `null` where nothing follows a skin.
+    pub skin: Option<SkinPart>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -37,6 +39,16 @@ pub struct MotionPart {
     pub first_frame: usize,
     /// Every how manieth frame of the motion is exported.
     pub step: usize,
+}
+
+/// The body that a skinned garment follows, and the frame in whose pose the garment is.
+#[derive(Clone, Debug, Serialize)]
+pub struct SkinPart {
+    #[serde(flatten)]
+    pub file: NamedFile,
+    /// As it was asked for; `null` for the first.
+    pub clip: Option<String>,
+    pub frame: usize,
 }
 
 /// A file of the set.

@@ -16,10 +16,11 @@ mod target;
 mod usd;
 
 pub use frames::{Chosen, Frames, Sequence};
-pub use manifest::{MANIFEST, MotionPart, NamedFile, Origin};
+pub use manifest::{MANIFEST, MotionPart, NamedFile, Origin, SkinPart};
 pub use target::Target;
 
 use super::atomic::{self, Unfinished};
+use super::moving_body::gltf::Skin;
 use super::{garment_obj, glb, read};
 use crate::Error;
 use crate::garment::Level;
@@ -37,6 +38,8 @@ pub struct Source<'a> {
     pub fabric: &'a Fabric,
     /// Kept from the body, m.
     pub clearance: f64,
+    /// The body that a skinned garment follows, in the pose of the first frame.
+    pub skin: Option<&'a Skin>,
 }
 
 /// The nearest isotropic cloth, for programs that know no other.
@@ -107,6 +110,10 @@ struct Set<'a> {
 
 impl Set<'_> {
     fn check(&self, targets: &[Target]) -> Result<(), Error> {
+        if targets.contains(&Target::GlbSkinned) && self.source.skin.is_none() {
+            let remedy = "Give the animated body, a .glb or .gltf file, with --skin.";
+            return Err(Error::new("There is no body whose joints a skinned garment could follow.", remedy));
+        }
         let count = self.frames.frame_count();
         let by_frame = targets.iter().find(|target| [Target::Obj, Target::Ply].contains(target));
         match by_frame {
@@ -147,6 +154,11 @@ impl Set<'_> {
             Target::Glb => {
                 let file = glb::write_frames(pattern, level, self.frames)?;
                 self.bytes("garment.glb", "glTF 2.0, a mesh for each panel, frames as morph targets", &file)
+            }
+            Target::GlbSkinned => {
+                let skin = self.source.skin.expect("it was looked for before anything was written");
+                let file = glb::write_skinned(pattern, level, first, skin)?;
+                self.bytes("garment_skinned.glb", "glTF 2.0, the first frame on the body's skeleton and clips", &file)
             }
             Target::Usd => self.pieces("garment.usda", "USD, frames as time samples", |source, frames, out| {
                 usd::write(source, frames, out)

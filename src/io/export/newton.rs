@@ -106,7 +106,7 @@ mod tests {
     fn source_file(fabric: &Fabric) -> (Vec<u8>, Level) {
         let (pattern, garment, positions) = two_panels();
         let level = garment.levels[1].clone();
-        let source = Source { pattern: &pattern, level: &level, fabric, clearance: 0.0007 };
+        let source = Source { pattern: &pattern, level: &level, fabric, clearance: 0.0007, skin: None };
         let mut file = Cursor::new(Vec::new());
         write(&source, &positions, &mut file).unwrap();
         (file.into_inner(), level)

@@ -18,11 +18,13 @@ pub enum Target {
     Pc2,
     Mdd,
     Glb,
+    /// A GLB file on the skeleton of a body.
+    GlbSkinned,
     Obj,
 }
 
 impl Target {
-    pub const ALL: [Target; 10] = [
+    pub const ALL: [Target; 11] = [
         Target::Blender,
         Target::Usd,
         Target::Newton,
@@ -32,6 +34,7 @@ impl Target {
         Target::Pc2,
         Target::Mdd,
         Target::Glb,
+        Target::GlbSkinned,
         Target::Obj,
     ];
 
@@ -46,6 +49,7 @@ impl Target {
             Target::Pc2 => "pc2",
             Target::Mdd => "mdd",
             Target::Glb => "glb",
+            Target::GlbSkinned => "glb-skinned",
             Target::Obj => "obj",
         }
     }

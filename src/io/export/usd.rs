@@ -219,7 +219,8 @@ mod tests {
         let (mut pattern, garment, positions) = two_panels();
         rename(&mut pattern);
         let level = garment.levels[1].clone();
-        let source = Source { pattern: &pattern, level: &level, fabric: &Fabric::default(), clearance: 0.0007 };
+        let source =
+            Source { pattern: &pattern, level: &level, fabric: &Fabric::default(), clearance: 0.0007, skin: None };
         let moved = |k: usize| positions.iter().map(|p| p + Vector3::x() * k as f64).collect();
         let mut frames = Sequence { frame_rate: 25.0, frames: (0..count).map(moved).collect() };
         let mut file = Vec::new();

@@ -9,12 +9,17 @@
 //! A garment that moves has a morph target for each frame but the first, and one animation in which their weights are
 //! one in turn: between two frames positions move on straight lines.
 //!
+//! On the skeleton of a body it follows that body's animation: `skinned.rs`.
+//!
 //! What has no place in the format is left out: panels without triangles, and numbers that are not
 //! finite, which are written as 0. The exact garment is `garment.obj`.
 
 mod morphs;
 mod shading;
+mod skinned;
 mod streams;
+
+pub use skinned::write_skinned;
 
 use super::export::{Frames, Sequence};
 use crate::Error;
@@ -44,10 +49,7 @@ pub fn write_frames(pattern: &Pattern, level: &Level, frames: &mut dyn Frames) -
     let mut first = Vec::new();
     frames.read(0, &mut first)?;
     let mut streams = Streams::default();
-    let mut root = Root {
-        asset: Asset { generator: Some(format!("toile {}", env!("CARGO_PKG_VERSION"))), ..Asset::default() },
-        ..Root::default()
-    };
+    let mut root = Root { asset: asset(), ..Root::default() };
     let shown: Vec<usize> = (0..level.panels.len()).filter(|&k| !level.panels[k].triangles.is_empty()).collect();
     let normals = smooth_normals(level, &first);
     for &panel in &shown {
@@ -73,6 +75,10 @@ pub fn write_frames(pattern: &Pattern, level: &Level, frames: &mut dyn Frames) -
     }
     let data = streams.finish(&mut root);
     Ok(container(&root, data))
+}
+
+fn asset() -> Asset {
+    Asset { generator: Some(format!("toile {}", env!("CARGO_PKG_VERSION"))), ..Asset::default() }
 }
 
 /// Positions and normals of all frames, and a weight of each frame at each.

@@ -6,17 +6,20 @@ use gltf_json::validation::{Checked, USize64};
 use gltf_json::{Accessor, Buffer, Index, Root, Value};
 
 /// The views of the buffer while they grow, each of one kind of element: positions, normals, rest coordinates, indices,
-/// and the numbers of an animation, which only a garment in motion has.
+/// the numbers of animations, and of skins the joints and weights of vertices, and matrices. What is empty is not written.
 #[derive(Default)]
 pub struct Streams {
-    bytes: [Vec<u8>; 5],
+    bytes: [Vec<u8>; 8],
 }
 
 /// Sizes of the elements of the views, bytes; all are multiples of four, as the format asks.
-const STRIDES: [usize; 5] = [12, 12, 8, 4, 4];
-/// Which of the views are indices and the numbers of an animation.
+const STRIDES: [usize; 8] = [12, 12, 8, 4, 4, 8, 16, 64];
+/// Which of the views are indices, the numbers of animations, and those of skins.
 const INDICES: usize = 3;
 const ANIMATION: usize = 4;
+const JOINTS: usize = 5;
+const JOINT_WEIGHTS: usize = 6;
+const MATRICES: usize = 7;
 
 impl Streams {
     pub fn positions(&mut self, root: &mut Root, values: Vec<[f32; 3]>) -> Index<Accessor> {
@@ -36,6 +39,25 @@ impl Streams {
 
     pub fn weights(&mut self, root: &mut Root, values: &[f32]) -> Index<Accessor> {
         self.push(root, ANIMATION, Type::Scalar, values)
+    }
+
+    /// Values of a node at the times of an animation, each of `WIDTH` numbers.
+    pub fn keys<const WIDTH: usize>(&mut self, root: &mut Root, values: &[f32]) -> Index<Accessor> {
+        self.push(root, ANIMATION, if WIDTH == 4 { Type::Vec4 } else { Type::Vec3 }, values)
+    }
+
+    pub fn joints(&mut self, root: &mut Root, values: Vec<[u16; 4]>) -> Index<Accessor> {
+        let bytes = values.iter().flatten().flat_map(|v| v.to_le_bytes());
+        self.push_bytes(root, JOINTS, Type::Vec4, ComponentType::U16, bytes)
+    }
+
+    pub fn joint_weights(&mut self, root: &mut Root, values: Vec<[f32; 4]>) -> Index<Accessor> {
+        self.push(root, JOINT_WEIGHTS, Type::Vec4, values.as_flattened())
+    }
+
+    /// Matrices by columns.
+    pub fn matrices(&mut self, root: &mut Root, values: Vec<[f32; 16]>) -> Index<Accessor> {
+        self.push(root, MATRICES, Type::Mat4, values.as_flattened())
     }
 
     pub fn normals(&mut self, root: &mut Root, values: Vec<[f32; 3]>) -> Index<Accessor> {
@@ -69,7 +91,7 @@ impl Streams {
         root.push(Accessor {
             buffer_view: Some(Index::new(view as u32)),
             byte_offset: Some(USize64::from(start)),
-            count: USize64::from((self.bytes[view].len() - start) / STRIDES[view]),
+            count: USize64::from((self.bytes[view].len() - start) / (kind.multiplicity() * component.size())),
             component_type: Checked::Valid(GenericComponentType(component)),
             type_: Checked::Valid(kind),
             min: None,
@@ -96,26 +118,27 @@ impl Streams {
             extras: Default::default(),
         });
         let mut data = Vec::with_capacity(length);
-        for (view, bytes) in self.bytes.into_iter().enumerate() {
-            if view == ANIMATION && bytes.is_empty() {
-                break;
-            }
+        let mut written = [None; STRIDES.len()];
+        for (view, bytes) in self.bytes.into_iter().enumerate().filter(|(_, bytes)| !bytes.is_empty()) {
             let target = match view {
                 INDICES => Some(Target::ElementArrayBuffer),
-                ANIMATION => None,
+                ANIMATION | MATRICES => None,
                 _ => Some(Target::ArrayBuffer),
             };
-            root.push(View {
+            written[view] = Some(root.push(View {
                 buffer,
                 byte_length: USize64::from(bytes.len()),
                 byte_offset: Some(USize64::from(data.len())),
-                byte_stride: (view < INDICES).then_some(Stride(STRIDES[view])),
+                byte_stride: matches!(target, Some(Target::ArrayBuffer)).then_some(Stride(STRIDES[view])),
                 name: None,
                 target: target.map(Checked::Valid),
                 extensions: None,
                 extras: Default::default(),
-            });
+            }));
             data.extend(bytes);
+        }
+        for accessor in &mut root.accessors {
+            accessor.buffer_view = accessor.buffer_view.and_then(|view| written[view.value()]);
         }
         data
     }

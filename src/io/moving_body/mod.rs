@@ -78,6 +78,17 @@ pub fn open(path: &Path, options: &Options) -> Result<(Motion, Vec<Warning>), Er
     }
 }
 
+/// What carries the skin of a glTF body, in the pose of a frame of the clip that the options name.
+pub fn skin(path: &Path, options: &Options, frame: usize) -> Result<(gltf::Skin, Vec<Warning>), Error> {
+    let bytes = read::bytes(path)?;
+    let here = |e: Error| e.within(path.display());
+    if Format::of(&bytes, path) != Some(Format::Gltf) {
+        let problem = "It is no glTF file: it has no joints that a garment could follow.";
+        return Err(here(Error::new(problem, "Give the .glb or .gltf file of a body with a skin.")));
+    }
+    rig(&bytes, path, options).and_then(|rig| rig.skin(options, frame)).map_err(here)
+}
+
 /// The body of a glTF file, whose buffers may lie beside it.
 fn rig(bytes: &[u8], path: &Path, options: &Options) -> Result<gltf::Rig, Error> {
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();

@@ -19,20 +19,20 @@ const EVEN: f64 = 0.02;
 const FASTEST: f64 = 240.0;
 
 pub struct Clip {
-    channels: Vec<Channel>,
+    pub channels: Vec<Channel>,
     /// Of the first and the last key, s.
     pub start: f64,
     pub end: f64,
 }
 
-struct Channel {
-    node: usize,
-    property: Property,
-    interpolation: Interpolation,
+pub struct Channel {
+    pub node: usize,
+    pub property: Property,
+    pub interpolation: Interpolation,
     /// Ascending, s.
-    times: Vec<f64>,
+    pub times: Vec<f64>,
     /// For each key its value, with CUBICSPLINE its tangent before and after as well.
-    values: Vec<f64>,
+    pub values: Vec<f64>,
     width: usize,
 }
 

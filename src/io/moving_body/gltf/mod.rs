@@ -7,12 +7,14 @@ mod accessor;
 mod clip;
 mod document;
 mod nodes;
+mod skin;
 mod surface;
 mod weld;
 
 pub use clip::slerp;
 pub use document::Fetch;
 pub use nodes::{affine, compose};
+pub use skin::{Carrier, Skin, SkinChannel, SkinClip};
 
 use super::Options;
 use crate::body::motion::{self, Affine, Motion, Parts, Skinned};
