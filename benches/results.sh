@@ -33,19 +33,26 @@ Machine: $cpu, $(nproc) processors, $(rustc --version | cut -d' ' -f1,2). Commit
 \`${STARTS:+STARTS=$STARTS }benches/results.sh JUDGE DATA ${resolutions[*]}\`. Seconds are from a machine that was shared with other work; trust
 processor seconds rather than wall seconds, and both within a factor of 1.5.
 HEAD
-for mm in "${resolutions[@]}"; do
-    out=target/results/$mm
+# The judge's table of the corpus.
+corpus() { # NAME MM TITLE [OPTION ...]
+    local out=target/results/$1 mm=$2 title=$3
+    shift 3
     rm -rf "$out"
     mkdir -p "$out"
     "$python" "$judge/run_corpus.py" target/release/toile "$data/patterns/garmentcode" --bodies "$data/bodies" \
-        --out "$out" --resolution-mm "$mm" | tee "$out/table.txt" || true # not every garment has to pass
+        --out "$out" --resolution-mm "$mm" "$@" | tee "$out/table.txt" || true # not every garment has to pass
     {
-        printf '\n## At %s mm\n\n```text\n' "$mm"
+        printf '\n## %s\n\n```text\n' "$title"
         # Of a failed verdict the reason is enough.
         sed -E 's/FAIL exit [0-9]+:.*; results in [^;]*; /FAIL /; s/ +static / /; s/ +- +(PASS|FAIL)/  \1/' "$out/table.txt"
         printf '```\n'
     } >> "$page"
+}
+
+for mm in "${resolutions[@]}"; do
+    corpus "$mm" "$mm" "At $mm mm"
 done
+corpus auto 10 "At 10 mm, placed by themselves: the patterns' placements unread" --extra "--place auto"
 if [ -n "${STARTS:-}" ]; then
     out=target/results/starts
     rm -rf "$out" "$out.patterns"
