@@ -228,6 +228,36 @@ fn every_fault_of_a_body_has_its_code() {
 }
 
 #[test]
+fn what_only_the_whole_shows_has_its_code() {
+    let folder = bench();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let beside: String = embedded::MANNEQUIN_OBJ
+        .lines()
+        .map(|line| match line.strip_prefix("v ").and_then(|rest| rest.split_once(' ')) {
+            Some((x, rest)) => format!("v {} {rest}\n", x.parse::<f64>().unwrap() + 0.7),
+            None => format!("{line}\n"),
+        })
+        .collect();
+    write("beside.obj", &beside);
+    write("ball.obj", &Mesh::ball([0.0, 0.5, 0.0], 0.5, 12).obj());
+    write("seams.toml", "[[seam]]\nsides = [\"left_sleeve_front:0\", \"left_sleeve_back:0\"]\n");
+    let found = |arguments: &[&str]| {
+        let (document, _) = checked(folder.path(), &[&["tee.json"], arguments].concat());
+        codes(&document).into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let cases: [(&str, &[&str]); 4] = [
+        ("TOILE-B009", &["--body", "beside.obj"]),
+        ("TOILE-B011", &["--body", "ball.obj"]),
+        ("TOILE-S014", &["--seams", "seams.toml"]),
+        ("TOILE-A006", &["--body", "body.obj", "--arrangement", "missing.toml"]),
+    ];
+    for (code, arguments) in cases {
+        let codes = found(arguments);
+        assert!(codes.iter().any(|one| one == code), "no {code} among {codes:?}");
+    }
+}
+
+#[test]
 fn files_of_seams_have_codes_and_tell_all_their_faults() {
     let (pattern, _) = pattern_file::open(embedded::TEE.as_bytes(), "tee", &Options::default()).unwrap();
     let name = &pattern.panels[0].name;

@@ -166,6 +166,10 @@ fn a_contradicted_direction_and_a_wrong_ease_are_told_with_the_seam() {
     assert!(told.iter().any(|w| w.contains("seam \"right\"") && w.contains("ease")), "{told:?}");
     // A dart has one direction, whatever is turned over.
     assert!(told.iter().any(|w| w.contains("seam \"dart\"") && w.contains("contradicts")), "{told:?}");
+    let codes: Vec<_> = warnings.iter().filter_map(|w| w.0.code()).collect();
+    for code in [toile::Code::EaseNotAsStated, toile::Code::DirectionContradicted] {
+        assert!(codes.contains(&code), "no {code:?} among {codes:?}");
+    }
 }
 
 #[test]

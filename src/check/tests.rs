@@ -63,6 +63,12 @@ fn edges_and_lengths_are_found() {
 }
 
 #[test]
+fn what_the_resolution_cannot_sew_is_told() {
+    let straw = crate::garment::Garment::build(&tube(0.012, 0.3), &[0.02]);
+    assert_eq!(straw.err().and_then(|error| error.code()), Some(Code::PanelTooNarrow));
+}
+
+#[test]
 fn pieces_and_surfaces_are_found() {
     let mut pattern = two_rectangles(0.2, 0.3);
     pattern.panels.push(rectangle("pocket", 0.12, 0.15));
