@@ -231,7 +231,8 @@ fn every_fault_of_a_body_has_its_code() {
 fn what_only_the_whole_shows_has_its_code() {
     let folder = bench();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    let beside: String = embedded::MANNEQUIN_OBJ
+    let beside: String = std::str::from_utf8(embedded::MANNEQUIN_OBJ)
+        .unwrap()
         .lines()
         .map(|line| match line.strip_prefix("v ").and_then(|rest| rest.split_once(' ')) {
             Some((x, rest)) => format!("v {} {rest}\n", x.parse::<f64>().unwrap() + 0.7),
