@@ -3,7 +3,8 @@
 
 use super::Scene;
 use super::problem::Relaxation;
-use crate::assess::{CLEARANCE_TOLERANCE, body_intersections, near_triangles};
+use super::smoothing::{Neighbours, smooth};
+use crate::assess::{CLEARANCE_TOLERANCE, ClothCrossings, body_intersections, near_triangles};
 use crate::contact::sag;
 use crate::geometry::Vector3;
 use crate::minimize::{Minimizer, Problem, Settings as Steps};
@@ -124,6 +125,40 @@ pub fn part_layers(
 /// How often layers are parted, and how much stiffer their contact is each time.
 const MOST_PARTINGS: usize = 6;
 const STIFFENING: f64 = 3.0;
+
+/// Takes cloth out of cloth that slipped through it all the same, and out of the body what that pressed into it. Returns
+/// the evaluations that it took.
+pub fn part_crossings(
+    scene: &Scene,
+    level: usize,
+    problem: &mut Relaxation,
+    minimizer: &mut Minimizer,
+    positions: &mut Vec<Vector3>,
+) -> usize {
+    let cloth = &scene.garment.levels[level];
+    let steps = Steps { evaluations: EVALUATIONS_PER_MENDING, ..scene.settings.steps(cloth) };
+    let (mut neighbours, mut evaluations) = (None, 0);
+    for _ in 0..MOST_MENDINGS {
+        let mut crossings = ClothCrossings::new(cloth, positions);
+        if crossings.pairs().is_empty() {
+            break;
+        }
+        let neighbours = neighbours.get_or_insert_with(|| Neighbours::of(cloth));
+        smooth(cloth, neighbours, &mut crossings, positions);
+        // What is near, and on which side, is another thing now.
+        problem.cloth.rebuild(positions);
+        evaluations += minimizer.run(problem, positions, &steps, |_| false).2;
+        problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
+        problem.body.correct(positions);
+        evaluations += clear_body(scene, level, problem, minimizer, positions).evaluations;
+    }
+    evaluations
+}
+
+/// How often cloth that crosses cloth is smoothed and taken out of the body.
+const MOST_MENDINGS: usize = 4;
+/// Evaluations in which what was smoothed finds its length again.
+const EVALUATIONS_PER_MENDING: usize = 40;
 
 /// Triangles nearer to the body than the clearance, with their distances, m: zero for those that cross it.
 fn too_near(scene: &Scene, level: usize, positions: &[Vector3]) -> Vec<(u32, f64)> {

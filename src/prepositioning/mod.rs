@@ -15,6 +15,7 @@ mod prolongation;
 mod relaxing;
 mod settings;
 mod sewing;
+mod smoothing;
 mod waist_line;
 
 pub use hessian::Hessian;

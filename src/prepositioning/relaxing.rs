@@ -230,6 +230,7 @@ fn settle(
         run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
     }
     run.evaluations += finish::part_layers(scene, level, problem, &mut run.minimizer, positions);
+    run.evaluations += finish::part_crossings(scene, level, problem, &mut run.minimizer, positions);
     match (balanced(problem, positions) || settled, stalled > MOST_STALLS) {
         (true, _) => Termination::Converged,
         (false, true) => Termination::Stalled,
