@@ -353,8 +353,8 @@ fn record(frame: usize, duration: f64, course: &Course, measured: Option<Measure
     }
 }
 
-/// Exact tests at the end of a frame, of what is to keep clear. What the body's own skin hides, where a limb lies in another, is inside the body, but
-/// not deep in what can be seen of it.
+/// Exact tests at the end of a frame, of what is to keep clear. What the body's own skin hides, where a limb lies in
+/// another, is inside the body, but not deep in what can be seen of it.
 fn measure(
     level: &Level,
     positions: &[Vector3],

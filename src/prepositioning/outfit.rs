@@ -6,8 +6,9 @@
 //! panels from there on: contact of the cloth with itself keeps the layers in their order.
 
 use super::layering::bring_into_order;
-use super::relaxing::{Waist, relax, relax_over};
+use super::relaxing::{relax, relax_over};
 use super::sewing::Sewn;
+use super::waist_line::Waist;
 use super::{Event, LevelSummary, Observer, Outcome, Scene, Settings, distance_field, sew};
 use crate::arrangement::Arrangement;
 use crate::assess::{Layers, assess, gather_allowance, tight_places};

@@ -3,17 +3,14 @@
 use super::finish;
 use super::hessian::Hessian;
 use super::problem::{Relaxation, Residual};
-use super::sewing::hold;
+use super::waist_line::Waist;
 use super::{CurvePoint, Event, FinishLine, LevelSummary, Observer, Scene};
-use crate::arrangement::Arrangement;
 use crate::assess::{LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, Strain, cloth_intersections, gather_allowance};
 use crate::contact::{BodyContact, BodyContactSettings};
-use crate::energy::{Energy, GRAVITY, Hold};
-use crate::garment::{Garment, Level};
+use crate::energy::{Energy, GRAVITY};
+use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::{Iterate, Method, Minimizer, Newton, Problem, Settings as Steps, Termination};
-use crate::pattern::{Pattern, SegmentLabel};
-use std::ops::Range;
 
 /// Evaluations of one run of the minimizer; between two runs contact is corrected and anchors of
 /// friction are moved. Where neither is needed, starting afresh so often still finds lower energies
@@ -35,8 +32,6 @@ const BEST_PACE: f64 = 2.0;
 /// Share of the finest level's evaluations in which cloth slides without friction: a garment is
 /// smoothed by the hand before it is left to itself.
 const SLIDING: f64 = 0.75;
-/// How far below its place in the pattern a waist line may sink while a garment settles, m.
-const WAIST_SLACK: f64 = 0.01;
 
 /// Relaxes a level in place.
 pub fn relax(
@@ -325,42 +320,6 @@ pub fn problem<'a, 'w>(
     let classes = (0..cloth.particle_count as u32).collect();
     Relaxation::new(energy, contact, settings.self_contact(cloth, classes, scene.fabric, positions))
 }
-
-/// The waist line of a skirt or trousers. What reaches higher hangs from the shoulders.
-pub struct Waist {
-    /// Of the garment.
-    panels: Range<usize>,
-    /// Where it is worn, m: where the pattern places it, less what it was raised by.
-    height: f64,
-}
-
-impl Waist {
-    /// Of a garment that hangs from its waist line.
-    pub fn of(pattern: &Pattern, garment: &Garment, arrangement: &Arrangement) -> Option<Self> {
-        let panels = 0..pattern.panels.len();
-        let line = SegmentLabel::LowerInterface;
-        let height = hold(pattern, &garment.open, panels.clone(), line, &arrangement.positions)?.height;
-        let top = arrangement.positions.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
-        let raised =
-            pattern.panels.iter().filter_map(|panel| panel.placement.as_ref()).map(|p| p.raised).fold(0.0, f64::max);
-        (top <= height + HANGS_FROM_WAIST).then_some(Self { panels, height: height - raised })
-    }
-
-    /// Keeps it from sinking below where the pattern places it, as buttons would.
-    fn hold(&self, scene: &Scene, level: usize, positions: &[Vector3]) -> Option<Hold> {
-        let (cloth, line) = (&scene.garment.levels[level], SegmentLabel::LowerInterface);
-        let hold = hold(scene.pattern, cloth, self.panels.clone(), line, positions)?;
-        Some(Hold { height: self.height - WAIST_SLACK, ..hold })
-    }
-
-    /// The same waist where the panels of the garment begin at `first`.
-    pub fn among(&self, first: usize) -> Self {
-        Self { panels: self.panels.start + first..self.panels.end + first, height: self.height }
-    }
-}
-
-/// A garment whose top is at most this far above its waist line hangs from the waist, m: a waistband.
-pub(super) const HANGS_FROM_WAIST: f64 = 0.2;
 
 /// The minimizer's memory and what it has done on a level.
 struct Run {

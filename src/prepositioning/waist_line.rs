@@ -1,18 +1,60 @@
-//! The waist line that a fitted garment hangs from, for whoever goes on with it.
+//! The waist line that a skirt or trousers hang from: held while they are fitted, and told to whoever goes on with them.
 
-use super::relaxing::HANGS_FROM_WAIST;
+use super::Scene;
 use super::sewing::hold;
-use crate::garment::Level;
+use crate::arrangement::Arrangement;
+use crate::energy::Hold;
+use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::pattern::{Pattern, SegmentLabel};
+use std::ops::Range;
+
+/// A garment whose top is at most this far above its waist line hangs from the waist, m: a waistband.
+const HANGS_FROM_WAIST: f64 = 0.2;
+/// How far below its place in the pattern a waist line may sink while a garment settles, m.
+const WAIST_SLACK: f64 = 0.01;
+
+/// The waist line of a garment that hangs from it. What reaches higher hangs from the shoulders.
+pub struct Waist {
+    /// Of the garment.
+    panels: Range<usize>,
+    /// Where it is worn, m: where the pattern places it, less what it was raised by.
+    height: f64,
+}
+
+impl Waist {
+    /// Of a garment that hangs from its waist line.
+    pub fn of(pattern: &Pattern, garment: &Garment, arrangement: &Arrangement) -> Option<Self> {
+        let line = hanging(pattern, &garment.open, &arrangement.positions)?;
+        let raised =
+            pattern.panels.iter().filter_map(|panel| panel.placement.as_ref()).map(|p| p.raised).fold(0.0, f64::max);
+        Some(Self { panels: 0..pattern.panels.len(), height: line.height - raised })
+    }
+
+    /// Keeps it from sinking below where the pattern places it, as buttons would.
+    pub fn hold(&self, scene: &Scene, level: usize, positions: &[Vector3]) -> Option<Hold> {
+        let (cloth, line) = (&scene.garment.levels[level], SegmentLabel::LowerInterface);
+        let hold = hold(scene.pattern, cloth, self.panels.clone(), line, positions)?;
+        Some(Hold { height: self.height - WAIST_SLACK, ..hold })
+    }
+
+    /// The same waist where the panels of the garment begin at `first`.
+    pub fn among(&self, first: usize) -> Self {
+        Self { panels: self.panels.start + first..self.panels.end + first, height: self.height }
+    }
+}
 
 /// Particles of the waist line of a garment that hangs from it, as skirts and trousers do; none if there is no such line or
-/// the garment reaches higher, and hangs from the shoulders. By the rule of the fit, asked of a level of the sewn
-/// garment at `positions`, m, world.
+/// the garment reaches higher. Of a level of the sewn garment at `positions`, m, world.
 pub fn waist_line(pattern: &Pattern, level: &Level, positions: &[Vector3]) -> Vec<u32> {
-    let line = hold(pattern, level, 0..pattern.panels.len(), SegmentLabel::LowerInterface, positions);
+    hanging(pattern, level, positions).map(|line| line.particles).unwrap_or_default()
+}
+
+/// The waist line, if the garment hangs from it.
+fn hanging(pattern: &Pattern, level: &Level, positions: &[Vector3]) -> Option<Hold> {
+    let line = hold(pattern, level, 0..pattern.panels.len(), SegmentLabel::LowerInterface, positions)?;
     let top = positions.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
-    line.filter(|line| top <= line.height + HANGS_FROM_WAIST).map(|line| line.particles).unwrap_or_default()
+    (top <= line.height + HANGS_FROM_WAIST).then_some(line)
 }
 
 #[cfg(test)]
