@@ -15,13 +15,15 @@ use toile::garment::{Garment, Level};
 use toile::geometry::{Vector2, Vector3};
 use toile::minimize::{ConjugateGradient, Problem, Settings as Steps};
 use toile::pattern::{Arc, Curve, Fabric, Panel, Pattern, Placement, Segment, Shape};
-use toile::prepositioning::{DEFAULT_CLEARANCE, Relaxation, Residual};
+use toile::prepositioning::{Relaxation, Residual};
 
 /// Radii of the discs and of the specimen, m.
 const DISC: f64 = 0.09;
 const SPECIMEN: f64 = 0.15;
 /// Height of the top of the lower disc, m: the ring cannot reach the floor.
 const TOP: f64 = 0.4;
+/// Kept from the disc, m: what every specimen keeps, thin or thick.
+const CLEARANCE: f64 = 7e-4;
 /// m.
 const RESOLUTIONS: [f64; 3] = [0.02, 0.01, 0.005];
 
@@ -166,13 +168,13 @@ fn flat(level: &Level) -> Vec<Vector3> {
     const HEIGHT: f64 = 0.003;
     let height =
         |r: &Vector2| HEIGHT * (WAVES * r.y.atan2(r.x)).cos() * ((r.norm() - DISC) / (SPECIMEN - DISC)).max(0.0);
-    let place = |r: &Vector2| Vector3::new(r.x, TOP + DEFAULT_CLEARANCE + height(r), -r.y);
+    let place = |r: &Vector2| Vector3::new(r.x, TOP + CLEARANCE + height(r), -r.y);
     rest_of_particles(level).iter().map(place).collect()
 }
 
 fn relaxed(level: &Level, fabric: &Fabric, body: &Body, field: &DistanceField, positions: &mut Vec<Vector3>) -> Drape {
     let (h, stiffness) = (level.resolution, fabric.stretch.warp.max(fabric.stretch.weft).max(fabric.shear));
-    let contact = BodyContactSettings { clearance: DEFAULT_CLEARANCE, stiffness, friction: 0.0 };
+    let contact = BodyContactSettings { clearance: CLEARANCE, stiffness, friction: 0.0 };
     let apart =
         SelfContactSettings { clearance: fabric.thickness.max(0.1 * h), stiffness: 0.4 * stiffness, reach: 0.7 * h };
     let mut cloth = SelfContact::new(level, (0..level.particle_count as u32).collect(), apart);

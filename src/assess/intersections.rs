@@ -11,18 +11,20 @@ pub fn body_intersections(level: &Level, positions: &[Vector3], body: &Body) -> 
     (0..level.triangles.len())
         .into_par_iter()
         .with_min_len(512)
-        .flat_map_iter(|t| {
-            let [a, b, c] = corners(t);
-            let mut met = Vec::new();
-            body.for_each_meeting(a.inf(&b).inf(&c), a.sup(&b).sup(&c), |u| {
-                if triangles_intersect([a, b, c], body.corners(u)) {
-                    met.push([t as u32, u]);
-                }
-            });
-            met.sort_unstable();
-            met
-        })
+        .flat_map_iter(|t| crossed(corners(t), body).into_iter().map(move |u| [t as u32, u]))
         .collect()
+}
+
+/// The triangles of a body that a triangle crosses, hidden ones as well, in order.
+pub fn crossed(corners: [Vector3; 3], body: &Body) -> Vec<u32> {
+    let ([a, b, c], mut met) = (corners, Vec::new());
+    body.for_each_meeting(a.inf(&b).inf(&c), a.sup(&b).sup(&c), |u| {
+        if triangles_intersect(corners, body.corners(u)) {
+            met.push(u);
+        }
+    });
+    met.sort_unstable();
+    met
 }
 
 /// Pairs of cloth triangles that cross, in order. Triangles that share one particle, within a panel or over a seam, cross

@@ -9,7 +9,7 @@ mod tight;
 
 pub use clearance::{CLEARANCE_TOLERANCE, Clearance, near_triangles};
 pub use gate::{Check, LARGEST_SEAM_GAP, LARGEST_STRAIN_MEAN, LARGEST_STRAIN_P99, hand_off};
-pub use intersections::{ClothCrossings, body_intersections, cloth_intersections};
+pub use intersections::{ClothCrossings, body_intersections, cloth_intersections, crossed};
 pub use layers::Layers;
 pub use strain::{Strain, gather_allowance, principal_stretches};
 pub use tight::{Tight, tight_places};

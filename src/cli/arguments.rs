@@ -2,7 +2,8 @@
 
 use super::Failure;
 use crate::io::{dxf, length, settings_toml};
-use crate::prepositioning::{DEFAULT_CLEARANCE, FinishLine, Settings};
+use crate::pattern::Fabric;
+use crate::prepositioning::{FinishLine, Settings, resting_clearance};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -245,7 +246,7 @@ pub struct Check {
     /// Name of the fabric that the garment will be fitted with, or path of a fabric file (TOML) [default: neutral]
     #[arg(long, value_name = "NAME|FILE")]
     pub fabric: Option<String>,
-    /// Distance to be kept from the body [default: "0.7 mm"]
+    /// Distance to be kept from the body [default: half the thickness of the fabric, and "0.25 mm" at least]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub clearance: Option<String>,
     /// Write one JSON document instead of words
@@ -302,7 +303,7 @@ pub struct Solving {
     /// Name of a fabric, or path of a fabric file (TOML); for several garments one for all or a list [default: neutral]
     #[arg(long, value_name = "NAME|FILE")]
     pub fabric: Option<String>,
-    /// Distance to be kept from the body [default: "0.7 mm"]
+    /// Distance to be kept from the body [default: half the thickness of the fabric, and "0.25 mm" at least]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub clearance: Option<String>,
     /// Threads to use; the result is the same for any number [default: one per processor]
@@ -450,9 +451,9 @@ const DEFAULT_RESOLUTION: f64 = 0.01;
 const MOST_THREADS: usize = 1024;
 
 impl Solving {
-    /// The settings asked for: defaults, then the settings file, then the options. `file` is the
-    /// settings file's text.
-    pub fn settings(&self, file: Option<&str>) -> Result<Settings, Failure> {
+    /// The settings asked for: defaults, then the settings file, then the options. `file` is the settings file's text,
+    /// `fabric` that of the innermost garment.
+    pub fn settings(&self, file: Option<&str>, fabric: &Fabric) -> Result<Settings, Failure> {
         let usage = |option: &'static str| move |e: crate::Error| Failure::Usage(e.within(option));
         let mut settings = Settings::for_resolution(DEFAULT_RESOLUTION);
         let named = || self.settings.as_deref().map_or_else(String::new, |path| path.display().to_string());
@@ -474,6 +475,7 @@ impl Solving {
             (None, None) => Failure::Input(e.within("levels").within(named())),
         })?;
         settings = Settings::for_resolution(*resolutions.last().expect("checked: there is a level"));
+        settings.clearance = resting_clearance(fabric);
         if let Some(text) = file {
             settings_toml::apply(text, &mut settings).map_err(|e| e.within(named()))?;
         }
@@ -525,12 +527,12 @@ impl Check {
         checked.map_err(|e| Failure::Usage(e.within(option)))
     }
 
-    /// The distance to be kept from the body, m.
-    pub fn clearance(&self) -> Result<f64, Failure> {
+    /// The distance to be kept from the body by a garment of a fabric, m.
+    pub fn clearance(&self, fabric: &Fabric) -> Result<f64, Failure> {
         let asked = self.clearance.as_deref().map(length::parse_or_zero).transpose();
         let settings = |clearance| Settings { clearance, ..Settings::default() };
         let checked = asked.and_then(|asked| {
-            let clearance = asked.unwrap_or(DEFAULT_CLEARANCE);
+            let clearance = asked.unwrap_or_else(|| resting_clearance(fabric));
             settings(clearance).check().map(|()| clearance)
         });
         checked.map_err(|e| Failure::Usage(e.within("--clearance")))

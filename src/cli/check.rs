@@ -53,7 +53,7 @@ struct Looked {
 }
 
 fn look(asked: &Check) -> Result<Looked, Failure> {
-    let (resolutions, clearance) = (asked.resolutions()?, asked.clearance()?);
+    let resolutions = asked.resolutions()?;
     let options = asked.reading.options()?;
     let mut findings: Vec<Finding> = Vec::new();
     let fabric = match fabric(asked.fabric.as_deref()) {
@@ -63,6 +63,7 @@ fn look(asked: &Check) -> Result<Looked, Failure> {
         }
         other => other?,
     };
+    let clearance = asked.clearance(&fabric)?;
     let opened = PatternInput::open(&asked.pattern, &options);
     let mut pattern = opened.map_err(|e| findings.extend(Finding::of_error(e, Code::PatternUnreadable))).ok();
     let mut is_sewn = true;

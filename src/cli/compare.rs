@@ -36,14 +36,14 @@ fn replot(folder: &Path, out: &Path) -> Result<Status, Failure> {
 
 fn compare(asked: &Compare) -> Result<Status, Failure> {
     let started = Instant::now();
-    let (settings, contest) = what_to_do(asked)?;
+    let fabric = fabric(asked.solving.fabric.as_deref())?;
+    let (settings, contest) = what_to_do(asked, &fabric)?;
     let [Some(pattern), Some(body), Some(out)] = [&asked.pattern, &asked.body, &asked.out] else {
         unreachable!("clap asks for these three unless something is drawn again");
     };
     let threads = start_threads(asked.solving.threads()?);
     let pattern = PatternInput::open_sewn(pattern, asked.seams.as_deref(), &asked.reading.options()?)?.for_fitting()?;
     let body = BodyInput::open(body, asked.align)?;
-    let fabric = fabric(asked.solving.fabric.as_deref())?;
     // Better to know now than after the work that the results cannot be written.
     results::prepare(out)?;
     if let Some(alignment) = &body.alignment {
@@ -98,9 +98,9 @@ fn compare(asked: &Compare) -> Result<Status, Failure> {
 }
 
 /// The settings and the contest that were asked for.
-fn what_to_do(asked: &Compare) -> Result<(Settings, Contest), Failure> {
+fn what_to_do(asked: &Compare, fabric: &Fabric) -> Result<(Settings, Contest), Failure> {
     let usage = |option: &'static str| move |e: Error| Failure::Usage(e.within(option));
-    let mut settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
+    let mut settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref(), fabric)?;
     if let Some(residual) = asked.residual {
         settings.equilibrium_residual = residual;
         settings.check().map_err(usage("--residual"))?;

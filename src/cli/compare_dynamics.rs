@@ -5,7 +5,7 @@ use super::inputs::{BodyInput, PatternInput};
 use super::{Failure, Status, results};
 use crate::Error;
 use crate::arrangement::placed;
-use crate::dynamics::{Resting, Settings as Dynamics, Simulation, Surface, come_to_rest, sew};
+use crate::dynamics::{MOVING_CLEARANCE, Resting, Settings as Dynamics, Simulation, Surface, come_to_rest, sew};
 use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::io::{atomic, length};
@@ -47,7 +47,7 @@ pub fn run(
 ) -> Result<Status, Failure> {
     let out = asked.out.as_ref().expect("clap asks for it");
     results::prepare(out)?;
-    let dynamics = Dynamics { clearance: settings.clearance, ..Dynamics::default() };
+    let dynamics = Dynamics { clearance: settings.clearance.max(MOVING_CLEARANCE), ..Dynamics::default() };
     let surface = || Surface::new(body.body.positions(), body.body.triangles(), dynamics.broad_phase);
     let release = |level: &Level, positions: Vec<Vector3>, fitted: bool| {
         let mut surface = surface();

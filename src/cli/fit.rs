@@ -19,7 +19,8 @@ use std::time::Instant;
 
 pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let started = Instant::now();
-    let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref())?;
+    let fabrics = fabrics(asked.solving.fabric.as_deref(), asked.patterns.len())?;
+    let settings = asked.solving.settings(settings_text(&asked.solving)?.as_deref(), &fabrics[0])?;
     start_threads(asked.solving.threads()?);
     let options = asked.reading.options()?;
     if !asked.seams.is_empty() && asked.seams.len() != asked.patterns.len() {
@@ -40,19 +41,19 @@ pub fn run(asked: &Fit) -> Result<Status, Failure> {
     let silent = asked.solving.progress == Progress::None;
     patterns.iter().try_for_each(PatternInput::check_sewn)?;
     place_all(&mut patterns, &body, &asked.placing, silent)?;
-    fit(&patterns, &body, &settings, &asked.solving, &asked.out, started)
+    fit(&patterns, &fabrics, &body, &settings, &asked.solving, &asked.out, started)
 }
 
 /// Fits on the threads that were started, writes the results into `out`, and tells how it went.
 pub fn fit(
     patterns: &[PatternInput],
+    fabrics: &[Fabric],
     body: &BodyInput,
     settings: &Settings,
     solving: &Solving,
     out: &Path,
     started: Instant,
 ) -> Result<Status, Failure> {
-    let fabrics = fabrics(solving.fabric.as_deref(), patterns.len())?;
     let folders = results::folders(out, patterns);
     // Better to know now than after the work that the results cannot be written.
     folders.iter().try_for_each(|folder| results::prepare(folder))?;
@@ -77,7 +78,7 @@ pub fn fit(
         .collect();
 
     let mut stopwatch = Stopwatch::start(Watcher::new(solving.progress));
-    let garments: Vec<(&Pattern, &Fabric)> = patterns.iter().map(|p| &p.pattern).zip(&fabrics).collect();
+    let garments: Vec<(&Pattern, &Fabric)> = patterns.iter().map(|p| &p.pattern).zip(fabrics).collect();
     let settings = &over_what_is_worn(settings, body, &fabrics[0]);
     let outfit = preposition_outfit(&garments, &body.body, settings, &mut stopwatch).map_err(|e| match patterns {
         [only] => e.within(&only.place),

@@ -8,7 +8,9 @@ use super::inputs::tell;
 use super::simulation_results::{Inputs, Results};
 use super::{Failure, Status};
 use crate::body::{Body, Motion};
-use crate::dynamics::{BroadPhase, Collide, Collisions, Course, Integrator, Settings, Simulation, Surface};
+use crate::dynamics::{
+    BroadPhase, Collide, Collisions, Course, Integrator, MOVING_CLEARANCE, Settings, Simulation, Surface,
+};
 use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::io::checkpoint::{self, Checkpoint, Description};
@@ -59,7 +61,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     let mut settings = settings(asked)?;
     start_threads(threads(asked.threads)?);
     let fitted: Vec<Fitted> = asked.fits.iter().map(|fit| Fitted::open(fit)).collect::<Result<_, _>>()?;
-    settings.clearance = fitted[0].state.settings.clearance;
+    settings.clearance = fitted[0].state.settings.clearance.max(MOVING_CLEARANCE);
     settings.stretch_limit = stretch_limit(asked.stretch_limit.as_deref(), &fitted)?;
     settings.collisions = collide::levels(&asked.collide, &fitted)?;
     let (motion, mut warnings) = open_motion(asked)?;

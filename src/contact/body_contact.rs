@@ -144,6 +144,14 @@ pub struct BodyContact<'a> {
     anchors: Vec<Anchor>,
 }
 
+/// Whether a point keeps its clearance.
+enum Reach {
+    /// It does: its distance is this at least, m.
+    Beyond(f64),
+    /// It does not, and has to go there.
+    Out(Vector3),
+}
+
 /// A sample without an anchor.
 const LOOSE: u32 = u32::MAX;
 
@@ -378,42 +386,50 @@ impl<'a> BodyContact<'a> {
         Some(if self.body.contains(point) { -distance } else { distance })
     }
 
-    /// Moves that take each particle that is nearer than its clearance, by more than
-    /// a twentieth of a millimetre, out to it, by exact distances; zero for the others.
-    pub fn hold(&self, positions: &[Vector3]) -> Vec<Vector3> {
+    /// Moves that take each particle that is nearer than its clearance, by more than a twentieth of a millimetre, out to
+    /// it, by exact distances; zero for the others. Particles that are known to be far enough away, by lower bounds of
+    /// their distances, m, are not measured; the bounds of the others become what is measured.
+    pub fn hold(&self, positions: &[Vector3], bounds: &mut [f64]) -> Vec<Vector3> {
         // A second round serves creases, where moving out of one side leads to the other.
         const ROUNDS: usize = 3;
-        let moved = |(&position, extra): (&Vector3, &f64)| {
+        let moved = |((&position, extra), bound): ((&Vector3, &f64), &mut f64)| {
+            let clearance = self.settings.clearance + extra;
+            if *bound >= clearance - HOLD_TOLERANCE {
+                return Vector3::zeros();
+            }
             let mut held = position;
             for _ in 0..ROUNDS {
-                match self.out_of_reach(held, self.settings.clearance + extra) {
-                    Some(out) => held = out,
-                    None => break,
+                match self.out_of_reach(held, clearance) {
+                    Reach::Out(out) => held = out,
+                    Reach::Beyond(distance) => {
+                        *bound = distance - (held - position).norm();
+                        break;
+                    }
                 }
             }
             held - position
         };
-        positions.par_iter().zip(&self.extra).with_min_len(256).map(moved).collect()
+        positions.par_iter().zip(&self.extra).zip(bounds).with_min_len(256).map(moved).collect()
     }
 
     /// Where a point that is nearer than `clearance` has to go.
-    fn out_of_reach(&self, point: Vector3, clearance: f64) -> Option<Vector3> {
-        let rough = self.field.sample(point)?;
+    fn out_of_reach(&self, point: Vector3, clearance: f64) -> Reach {
+        let Some(rough) = self.field.sample(point) else { return Reach::Beyond(self.field.band() - self.field.cell()) };
         // Beyond the field's error nothing needs an exact query.
         if rough.distance > clearance + self.field.cell() {
-            return None;
+            return Reach::Beyond(rough.distance - self.field.cell());
         }
         let reach = rough.distance.abs() + clearance.abs() + 2.0 * self.field.cell();
-        let nearest = self.body.nearest(point, reach)?;
+        let Some(nearest) = self.body.nearest(point, reach) else { return Reach::Beyond(clearance) };
         let inside = self.body.contains(point);
         if !inside && nearest.distance >= clearance - HOLD_TOLERANCE {
-            return None;
+            return Reach::Beyond(nearest.distance);
         }
         let away = if inside { nearest.point - point } else { point - nearest.point };
         let [a, b, c] = self.body.corners(nearest.triangle);
         let normal = away.try_normalize(1e-9).unwrap_or_else(|| (b - a).cross(&(c - a)).normalize());
         // A nanometre more than asked, so that rounding does not ask again.
-        Some(nearest.point + normal * (clearance + 1e-9))
+        Reach::Out(nearest.point + normal * (clearance + 1e-9))
     }
 
     /// Asks some particles to keep farther from the body: some times by `step` more, m, then by twice as much each
@@ -525,8 +541,9 @@ mod tests {
     fn what_was_asked_to_keep_farther_may_come_nearer_again_but_not_than_its_clearance() {
         let (body, field, level, positions) = scene();
         let mut contact = BodyContact::new(&body, &field, &level, settings(0.0));
+        let unknown = vec![f64::NEG_INFINITY; positions.len()];
         let least = |contact: &BodyContact| {
-            let held = positions.iter().zip(contact.hold(&positions)).map(|(p, by)| p + by);
+            let held = positions.iter().zip(contact.hold(&positions, &mut unknown.clone())).map(|(p, by)| p + by);
             held.map(|p| body.nearest(p, 1.0).unwrap().distance).fold(f64::INFINITY, f64::min)
         };
         let all = |by: f64| (0..positions.len() as u32).map(move |p| (p, by));
@@ -570,9 +587,16 @@ mod tests {
     fn held_particles_keep_their_clearance() {
         let (body, field, level, mut positions) = scene();
         let contact = BodyContact::new(&body, &field, &level, settings(0.0));
-        let moves = contact.hold(&positions);
+        let mut bounds = vec![f64::NEG_INFINITY; positions.len()];
+        let moves = contact.hold(&positions, &mut bounds);
         positions.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
         assert!(positions.iter().all(|&p| body.signed_distance(p) > 0.003 - 1e-6));
+        // Of those that were moved nothing is known but that they kept too little; of the others what was measured.
+        contact.hold(&positions, &mut bounds);
+        for (&p, &bound) in positions.iter().zip(&bounds) {
+            let distance = body.signed_distance(p);
+            assert!(bound <= distance + 1e-12 && bound >= 0.003 - HOLD_TOLERANCE, "{bound} {distance}");
+        }
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub use forces::Forces;
 pub use integrator::Movement;
 pub use response::{Met, Remembered};
 pub use rest::{Resting, come_to_rest};
-pub use settings::{BroadPhase, Integrator, Settings};
+pub use settings::{BroadPhase, Integrator, MOVING_CLEARANCE, Settings};
 pub use sewing::{Sewing, sew};
 pub use stability::Pace;
 pub use super_elasticity::SuperElasticity;

@@ -97,12 +97,16 @@ pub struct Settings {
     pub floor: Option<f64>,
 }
 
+/// What cloth in motion keeps from the body at least, m. It lies nearer in a fit, but where skin passes under it edges cut
+/// through between two steps: on a walk a tee that kept 0.25 mm crossed it in 242 places at the worst, and in 30 with this.
+pub const MOVING_CLEARANCE: f64 = 7e-4;
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
             integrator: Integrator::default(),
             broad_phase: BroadPhase::default(),
-            clearance: crate::prepositioning::DEFAULT_CLEARANCE,
+            clearance: MOVING_CLEARANCE,
             drag: 2.0,
             damping: 0.8,
             wind: Vector3::zeros(),

@@ -565,7 +565,7 @@ mod tests {
         let report: Value = serde_json::from_str(&text).unwrap();
         assert_eq!((&report["format"], &report["version"]), (&"toile report".into(), &1.into()));
         assert_eq!(report["inputs"]["pattern"]["panels"], 2);
-        assert_eq!(report["settings"]["clearance_m"], crate::prepositioning::DEFAULT_CLEARANCE);
+        assert_eq!(report["settings"]["clearance_m"], crate::prepositioning::Settings::default().clearance);
         assert_eq!(report["fabric"]["areal_density_kg_per_m2"], 0.2);
         assert_eq!(report["sewing"]["shifts"][1]["panel"], "back");
         assert_eq!(report["levels"][1]["energies_j"]["total"], -0.25);

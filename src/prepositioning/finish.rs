@@ -4,10 +4,12 @@
 use super::Scene;
 use super::problem::Relaxation;
 use super::smoothing::{Neighbours, smooth};
-use crate::assess::{CLEARANCE_TOLERANCE, ClothCrossings, body_intersections, near_triangles};
-use crate::contact::sag;
+use crate::assess::{CLEARANCE_TOLERANCE, ClothCrossings, body_intersections, crossed, near_triangles};
+use crate::contact::{DistanceBounds, sag};
+use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::{Minimizer, Problem, Settings as Steps};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of holding, looking and widening.
@@ -22,6 +24,9 @@ const WIDENING_SHARE: f64 = 0.3;
 const EVALUATIONS_PER_ROUND: usize = 15;
 /// The same where nothing crosses the body and only fractions of a millimetre are missing.
 const EVALUATIONS_PER_GENTLE_ROUND: usize = 5;
+/// The share of particles below which those that miss less than this, m, are moved out and no more.
+const FEW: f64 = 3e-3;
+const SLIGHTLY: f64 = 2e-4;
 
 /// What clearing the body took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,10 +49,11 @@ pub fn clear_body(
     let widening = LEAST_WIDENING.max(WIDENING_SHARE * sag(cloth.resolution));
     // Halfway between what is asked for and what is let pass.
     let enough = scene.settings.clearance - 0.5 * CLEARANCE_TOLERANCE;
+    let mut bounds = DistanceBounds::unknown(cloth, positions);
     let mut clearing = Clearing::default();
     for round in 0..MOST_ROUNDS + LAST_ROUNDS {
-        clearing.moved |= hold(problem, positions);
-        let near = too_near(scene, level, positions);
+        clearing.moved |= hold(cloth, problem, &mut bounds, positions);
+        let near = too_near(scene, level, &mut bounds, positions);
         if near.is_empty() {
             return clearing;
         }
@@ -64,12 +70,16 @@ pub fn clear_body(
             }
         }
         let gentle = pierced.is_empty();
+        let few = gentle
+            && (missing.len() as f64) < FEW * positions.len() as f64
+            && missing.values().all(|&missing| missing < SLIGHTLY);
         missing.retain(|p, _| !pierced.contains(p));
         problem.body.keep_farther(missing);
         problem.body.widen(pierced, widening);
         clearing.moved = true;
-        hold(problem, positions);
-        if round >= MOST_ROUNDS {
+        hold(cloth, problem, &mut bounds, positions);
+        // Moving a few by a hair across the cloth stretches nothing that would have to be smoothed.
+        if few || round >= MOST_ROUNDS {
             continue;
         }
         let steps = if gentle { &gentle_steps } else { &steps };
@@ -77,7 +87,7 @@ pub fn clear_body(
         problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
         problem.body.correct(positions);
     }
-    hold(problem, positions);
+    hold(cloth, problem, &mut bounds, positions);
     clearing
 }
 
@@ -160,14 +170,32 @@ const MOST_MENDINGS: usize = 4;
 /// Evaluations in which what was smoothed finds its length again.
 const EVALUATIONS_PER_MENDING: usize = 40;
 
-/// Triangles nearer to the body than the clearance, with their distances, m: zero for those that cross it.
-fn too_near(scene: &Scene, level: usize, positions: &[Vector3]) -> Vec<(u32, f64)> {
+/// Triangles nearer to the body than the clearance, in order, with their distances, m: zero for those that cross it. Those
+/// that are known to be farther away are not measured.
+fn too_near(scene: &Scene, level: usize, bounds: &mut DistanceBounds, positions: &[Vector3]) -> Vec<(u32, f64)> {
     let cloth = &scene.garment.levels[level];
-    let mut near = near_triangles(cloth, positions, scene.body, scene.settings.clearance - CLEARANCE_TOLERANCE);
-    // What is hidden in the body keeps nothing at a distance, but it is not to be crossed.
-    near.extend(body_intersections(cloth, positions, scene.body).iter().map(|&[t, _]| (t, 0.0)));
-    near
+    let within = scene.settings.clearance - CLEARANCE_TOLERANCE;
+    let look = |(t, bound): (usize, &mut f64)| {
+        if *bound > within {
+            return None;
+        }
+        let corners = cloth.particles(t).map(|p| positions[p as usize]);
+        let measured = scene.body.distance_to_triangle(corners, within + LOOKED_BEYOND);
+        // What is hidden in the body keeps nothing at a distance, but it is not to be crossed.
+        let crosses = measured == Some(0.0) || !crossed(corners, scene.body).is_empty();
+        let distance = if crosses { 0.0 } else { measured.unwrap_or(within + LOOKED_BEYOND) };
+        // From outside nothing comes to what is hidden but through the skin; from inside it does.
+        let outside = scene.field.distance(corners[0]) > 0.0;
+        *bound = if outside { distance } else { 0.0 };
+        (distance <= within).then_some((t as u32, distance))
+    };
+    bounds.follow(cloth, positions);
+    bounds.triangles.par_iter_mut().enumerate().with_min_len(512).filter_map(look).collect()
 }
+
+/// How far beyond the clearance distances of triangles are measured, m: who keeps so much need not be looked at again
+/// before it has moved by that.
+const LOOKED_BEYOND: f64 = 5e-4;
 
 /// Is no particle in the body, and no triangle across its surface?
 pub fn is_clear(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
@@ -177,8 +205,12 @@ pub fn is_clear(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
 
 /// Moves particles out to their clearance, without passing through other cloth. Returns whether any
 /// was moved.
-fn hold(problem: &mut Relaxation, positions: &mut [Vector3]) -> bool {
-    let mut moves = problem.body.hold(positions);
+fn hold(cloth: &Level, problem: &mut Relaxation, bounds: &mut DistanceBounds, positions: &mut [Vector3]) -> bool {
+    bounds.follow(cloth, positions);
+    let mut moves = problem.body.hold(positions, &mut bounds.particles);
+    if moves.iter().all(|by| *by == Vector3::zeros()) {
+        return false;
+    }
     problem.cloth.limit(positions, &mut moves);
     positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
     moves.iter().any(|by| *by != Vector3::zeros())

@@ -22,7 +22,7 @@ pub use hessian::Hessian;
 pub use outcome::{CurvePoint, Event, LevelSummary, Observer, Outcome};
 pub use outfit::{Garments, Outfit};
 pub use problem::{Relaxation, Residual};
-pub use settings::{COARSEST_LEVEL, DEFAULT_CLEARANCE, FinishLine, Settings};
+pub use settings::{COARSEST_LEVEL, FinishLine, Settings, resting_clearance};
 pub use waist_line::waist_line;
 
 use crate::Error;

@@ -40,10 +40,15 @@ pub struct Settings {
     pub equilibrium_evaluations: usize,
 }
 
-/// Distance kept from the body unless another is asked for, m: little more than the thickness of
-/// cloth. A fit is falsified by more (three millimetres all around are two centimetres of girth);
-/// with less, more triangles have to be moved off what comes through between their corners.
-pub const DEFAULT_CLEARANCE: f64 = 0.0007;
+/// Distance kept from the body unless another is asked for, m: half the thickness of the cloth, whose middle is what is
+/// computed, so that it lies on the skin. A fit is falsified by more: three millimetres all around are two centimetres of
+/// girth, and cloth that is tight at all is stretched by that.
+pub fn resting_clearance(fabric: &Fabric) -> f64 {
+    (0.5 * fabric.thickness).max(LEAST_RESTING_CLEARANCE)
+}
+
+/// Thinner cloth keeps this, m: clearances hold within a tenth of a millimetre.
+const LEAST_RESTING_CLEARANCE: f64 = 0.00025;
 /// The coarsest level has at most this resolution, m: a sleeve has ten particles around it.
 pub const COARSEST_LEVEL: f64 = 0.045;
 
@@ -62,12 +67,12 @@ impl Settings {
         }
         Self {
             resolutions,
-            clearance: DEFAULT_CLEARANCE,
+            clearance: resting_clearance(&Fabric::default()),
             model: Model::default(),
             minimizer: Method::default(),
             until: FinishLine::HandOff,
             equilibrium_residual: 0.1,
-            coarse_evaluations: 1200,
+            coarse_evaluations: 2400,
             finest_evaluations: finest_evaluations(resolution),
             equilibrium_evaluations: 20_000,
         }
