@@ -202,9 +202,15 @@ fn several_garments_have_a_folder_each_and_one_can_be_worn_over_what_was_fitted_
 
     let (alone, over) = (bench.text("alone"), bench.text("over"));
     assert!([0, 4].contains(&status(&fit(&[&tee, "--out", &alone]))));
-    let output = fit(&[&dress, "--over", &alone, "--out", &over]);
+    // The same shape in another file: that it was fitted on another body is told, and no more.
+    let twin = bench.text("twin.obj");
+    std::fs::write(&twin, [embedded::MANNEQUIN_OBJ, &b"# again\n"[..]].concat()).unwrap();
+    let output = toile(&["fit", &dress, "--over", &alone, "--out", &over, "--body", &twin, "--resolution", "40 mm"]);
     assert!([0, 4].contains(&status(&output)), "{}", talk(&output));
+    assert!(talk(&output).contains("warning[TOILE-B012]: "), "{}", talk(&output));
     let report = json("over/report.json");
+    let findings = report["findings"].as_array().unwrap();
+    assert!(findings.iter().any(|finding| finding["code"] == "TOILE-B012"), "{findings:#?}");
     assert_eq!(report["inputs"]["body"]["wears"][0]["name"], "tee");
     assert_eq!(report["assessment"]["intersections"]["body_pairs"], 0);
 

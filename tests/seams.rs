@@ -3,9 +3,11 @@
 mod support;
 
 use support::{patterns, shared_patterns};
-use toile::io::{garmentcode, seams_svg, seams_toml};
+use toile::io::dxf::Options;
+use toile::io::{garmentcode, pattern_file, seams_svg, seams_toml};
 use toile::pattern::sewing::{SeamPlan, Stretch, find_directions, plans_of, resolve};
 use toile::pattern::suggest::suggest;
+use toile::pattern::surface::{Surface, pieces_of};
 use toile::pattern::{Notch, NotchKind, Pattern, SegmentId, Sense};
 
 /// Even chances from a linear congruential generator (Knuth's MMIX constants): the same everywhere.
@@ -194,5 +196,31 @@ fn the_drawing_shows_every_panel_and_seam() {
     let svg = seams_svg::draw(&pattern, &plans_of(&pattern));
     for name in ["front", "back", "belt", "back:2 + back:3", "1a", "5b", "3"] {
         assert!(svg.contains(&format!(">{name}<")) || svg.contains(&format!(" {name}<")), "{name}");
+    }
+}
+
+/// The halves of a sleeve used to be sewn to each other along cap and hem as well, so that the sleeve was a closed bag.
+#[test]
+fn no_part_of_a_garment_is_proposed_to_be_sewn_up_to_a_bag() {
+    let mut patterns: Vec<Pattern> = Vec::new();
+    for (name, text) in shared_patterns() {
+        let (placed, _) = garmentcode::parse(&text, &name).unwrap();
+        let mut drawn = placed.clone();
+        drawn.panels.iter_mut().for_each(|panel| panel.placement = None);
+        patterns.extend([placed, drawn]);
+    }
+    if let Some(data) = support::shared_data() {
+        let tee = std::fs::read(data.join("patterns/dxf/gc_tee_aama_clo_mm.dxf")).unwrap();
+        patterns.push(pattern_file::open(&tee, "tee", &Options::default()).unwrap().0);
+    }
+    for pattern in patterns {
+        let plans: Vec<SeamPlan> = suggest(&pattern).into_iter().map(|suggestion| suggestion.plan).collect();
+        let sewn = resolve(&pattern, &plans).unwrap().pattern;
+        let sleeves = (0..sewn.panels.len()).filter(|&panel| sewn.panels[panel].name.to_lowercase().contains("sl"));
+        let sleeves: Vec<usize> = sleeves.collect();
+        for sleeve in pieces_of(&sleeves, &sewn.seams) {
+            let name = &sewn.panels[sleeve[0]].name;
+            assert!(!Surface::new(&sewn, &sleeve, &sewn.seams).is_bag(&sewn), "{}: {name}", sewn.name);
+        }
     }
 }

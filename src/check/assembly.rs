@@ -1,15 +1,13 @@
 //! What the seams make of the panels: pieces, and the kind of surface that each of them is.
 //!
-//! Corners that meet are one vertex, sewn edges are one edge, panels are faces. A surface with `b` rims and `h` handles has
-//! `V - E + F = 2 - 2h - b` (Euler's characteristic). Garments have rims, not handles: a handle comes about where seams cross,
-//! as of sides sewn to the wrong partners. That no edge belongs to three panels is seen by [`Pattern::check`], as every edge
-//! is sewn once.
+//! That no edge belongs to three panels is seen by [`Pattern::check`], as every edge is sewn once; that a piece has an opening
+//! at all, when the garment is built.
 
 use super::{Finding, listed};
 use crate::Code;
 use crate::geometry::UnionFind;
-use crate::pattern::{Pattern, SegmentId, Sense};
-use std::collections::{BTreeMap, BTreeSet};
+use crate::pattern::surface::{Surface, pieces};
+use crate::pattern::{Pattern, Sense};
 
 pub fn findings(pattern: &Pattern) -> Vec<Finding> {
     if pattern.seams.is_empty() {
@@ -20,7 +18,7 @@ pub fn findings(pattern: &Pattern) -> Vec<Finding> {
     for piece in &pieces {
         if is_one_sided(pattern, piece) {
             findings.push(one_sided(pattern, piece));
-        } else if handles(pattern, piece) > 0 {
+        } else if Surface::new(pattern, piece, &pattern.seams).handles > 0 {
             findings.push(crossing(pattern, piece));
         }
     }
@@ -38,17 +36,6 @@ fn unsewn(pattern: &Pattern) -> Option<Finding> {
             "Have seams proposed with `toile seams suggest`, look them over, and give the file with --seams.",
         )
     })
-}
-
-/// Panels that hang together, the largest piece first; pieces of one size in the order of the pattern.
-fn pieces(pattern: &Pattern) -> Vec<Vec<usize>> {
-    let mut sets = UnionFind::new(pattern.panels.len());
-    pattern.seams.iter().for_each(|seam| sets.union(seam.sides[0].panel as u32, seam.sides[1].panel as u32));
-    let mut pieces: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    (0..pattern.panels.len()).for_each(|panel| pieces.entry(sets.find(panel as u32)).or_default().push(panel));
-    let mut pieces: Vec<Vec<usize>> = pieces.into_values().collect();
-    pieces.sort_by_key(|piece| (usize::MAX - piece.len(), piece[0]));
-    pieces
 }
 
 fn apart(pattern: &Pattern, pieces: &[Vec<usize>]) -> Vec<Finding> {
@@ -99,67 +86,6 @@ fn one_sided(pattern: &Pattern, piece: &[usize]) -> Finding {
         "Look which of these seams is to fold one panel over the other; of the others turn the direction around.",
     )
     .within(format!("panel \"{}\"", pattern.panels[piece[0]].name))
-}
-
-/// Corners that the seams bring together, one set per vertex.
-struct Corners {
-    /// Of all panels.
-    count: usize,
-    /// Per panel: number of its first corner.
-    first: Vec<u32>,
-    sets: UnionFind,
-}
-
-impl Corners {
-    fn new(pattern: &Pattern) -> Self {
-        let mut count: u32 = 0;
-        let first = pattern.panels.iter().map(|panel| {
-            count += panel.segments.len() as u32;
-            count - panel.segments.len() as u32
-        });
-        let first: Vec<u32> = first.collect();
-        let count = count as usize;
-        let mut corners = Self { count, first, sets: UnionFind::new(count) };
-        for seam in &pattern.seams {
-            let [a, b] = seam.sides.map(|side| corners.ends(pattern, side));
-            let b = if seam.sense == Sense::Opposed { [b[1], b[0]] } else { b };
-            corners.sets.union(a[0], b[0]);
-            corners.sets.union(a[1], b[1]);
-        }
-        corners
-    }
-
-    /// Of an edge, its start and its end.
-    fn ends(&self, pattern: &Pattern, side: SegmentId) -> [u32; 2] {
-        let count = pattern.panels[side.panel].segments.len();
-        [side.segment, (side.segment + 1) % count].map(|k| self.first[side.panel] + k as u32)
-    }
-}
-
-/// The handles of the surface that a piece is; it has two sides.
-fn handles(pattern: &Pattern, piece: &[usize]) -> usize {
-    let mut corners = Corners::new(pattern);
-    let sewn: BTreeSet<SegmentId> = seams_of(pattern, piece).flat_map(|seam| seam.sides).collect();
-    let all = || {
-        let of =
-            |&panel: &usize| (0..pattern.panels[panel].segments.len()).map(move |segment| SegmentId { panel, segment });
-        piece.iter().flat_map(of)
-    };
-    let mut vertices = BTreeSet::new();
-    let mut rims = UnionFind::new(corners.count);
-    let mut on_rims = BTreeSet::new();
-    for side in all() {
-        let ends = corners.ends(pattern, side).map(|corner| corners.sets.find(corner));
-        vertices.extend(ends);
-        if !sewn.contains(&side) {
-            rims.union(ends[0], ends[1]);
-            on_rims.extend(ends);
-        }
-    }
-    let rims: BTreeSet<u32> = on_rims.into_iter().map(|vertex| rims.find(vertex)).collect();
-    let edges = all().count() - sewn.len() / 2;
-    let characteristic = vertices.len() as i64 - edges as i64 + piece.len() as i64;
-    ((2 - rims.len() as i64 - characteristic) / 2).max(0) as usize
 }
 
 fn crossing(pattern: &Pattern, piece: &[usize]) -> Finding {

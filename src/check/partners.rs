@@ -48,7 +48,7 @@ pub fn twisted(pattern: &Pattern, measured: &Measured) -> Vec<Finding> {
             Finding::new(
                 Code::SeamTwisted,
                 "It looks twisted: as the panels are placed, its ends lie nearer to each other the other way around.",
-                "Turn one panel over or change the direction of the seam; if the panels are merely placed askew, place them anew with --place auto.",
+                "Turn one panel over or change the direction of the seam; if the panels are merely placed askew, place them with --place auto, or by an arrangement file where that placed them so.",
             )
             .within(format!("seam \"{}\"", pattern.seam_name(seam)))
         })

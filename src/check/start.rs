@@ -67,6 +67,6 @@ fn moved(shift: Vector3) -> Finding {
     Finding::new(
         Code::MovedFar,
         format!("It is moved {} before it is sewn, so that its seams clear the body.", ways.join(", ")),
-        "Check that the pattern was placed for a body of this size and pose; if it was not, place it with --place auto.",
+        "If its file places it for a body of another size or pose, place it with --place auto. If it was placed so, see its start with `toile place --picture`, and correct it in an arrangement file.",
     )
 }

@@ -69,6 +69,30 @@ fn what_the_resolution_cannot_sew_is_told() {
 }
 
 #[test]
+fn a_sleeve_that_is_sewn_up_all_around_is_told_to_be_a_bag() {
+    // It used to be called narrower than the resolution, at every resolution.
+    let mut pattern = tube_around(0.4, 1.0, 1.4);
+    pattern.seams.extend([seam([0, 0], [1, 0], Sense::Opposed), seam([0, 2], [1, 2], Sense::Opposed)]);
+    let error = Garment::build(&pattern, &[0.02]).err().unwrap();
+    assert_eq!(error.code(), Some(Code::SewnShut), "{error}");
+    assert!(error.problem().contains("a bag of it and \"back\""), "{error}");
+}
+
+#[test]
+fn panels_sewn_to_each_other_around_a_corner_are_told() {
+    // A pillow-case of two equal panels: finer levels do not help, which used to be the remedy.
+    let pattern = Pattern {
+        name: "case".to_owned(),
+        panels: vec![rectangle("front", 0.4, 0.5), rectangle("back", 0.4, 0.5)],
+        seams: [1, 2, 3].map(|edge| seam([0, edge], [1, edge], Sense::Aligned)).to_vec(),
+    };
+    for resolution in [0.04, 0.01] {
+        let error = Garment::build(&pattern, &[resolution]).err().unwrap();
+        assert!(error.problem().contains("around a corner"), "{error}");
+    }
+}
+
+#[test]
 fn pieces_and_surfaces_are_found() {
     let mut pattern = two_rectangles(0.2, 0.3);
     pattern.panels.push(rectangle("pocket", 0.12, 0.15));
@@ -190,6 +214,27 @@ fn what_is_too_small_or_slides_down_is_found() {
     // As wide as the waist and a little more, above the hips: it fits, and stays.
     let band = of(&tube_around(girth("waist") + 0.02, marks.waist - 0.03, marks.waist + 0.03));
     assert_eq!(band, []);
+}
+
+#[test]
+fn a_rib_below_loose_cloth_rides_up_to_where_it_fits() {
+    let (body, marks) = dummy();
+    let girth = |wanted: &str| marks.girths().into_iter().find(|(name, _)| *name == wanted).unwrap().1;
+    // A sweater without sleeves that ends at the hips in a band as wide as the waist; the hips are 25 cm wider.
+    let (low, join) = (marks.hip - 0.03, marks.hip + 0.03);
+    let sweater = |around: f64, high: f64| {
+        let mut pattern = tube_around(around, join, high);
+        let band = tube_around(girth("waist") + 0.02, low, join);
+        pattern
+            .panels
+            .extend(band.panels.into_iter().map(|panel| Panel { name: format!("{} rib", panel.name), ..panel }));
+        pattern.seams.extend([seam([2, 1], [3, 3], Sense::Opposed), seam([2, 3], [3, 1], Sense::Opposed)]);
+        pattern.seams.extend([seam([0, 0], [2, 2], Sense::Opposed), seam([1, 0], [3, 2], Sense::Opposed)]);
+        let found = on_a_body(&pattern, &body, &marks);
+        found.iter().any(|f| f.code == Code::SmallerThanBody)
+    };
+    assert!(!sweater(girth("bust") + 0.3, marks.bust), "it blouses");
+    assert!(sweater(girth("waist") + 0.04, marks.waist), "what lies close keeps it down");
 }
 
 #[test]

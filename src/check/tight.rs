@@ -16,6 +16,11 @@ const SPACING: f64 = 0.02;
 /// How far the garment may come to lie below and above where it was placed, in spacings: patterns are placed too low rather than
 /// too high, and what is tight rides up.
 const SLIDES: std::ops::RangeInclusive<isize> = -2..=5;
+/// How much farther the lower end of what is loose above it rides up, in spacings: the rib of a hoodie, placed at the hips, goes to
+/// the waist, and the cloth above it folds over.
+const BLOUSES: isize = 5;
+/// Cloth folds over where it is longer than the tape by this factor.
+const LOOSE: f64 = 1.1;
 /// A height is called by a landmark that is so near, m.
 const NEAR: f64 = 0.05;
 
@@ -68,15 +73,45 @@ pub fn findings(given: &Given, sewn: &Sewn, marks: &Landmarks) -> Vec<Finding> {
         // Of equal ones the least slide.
         let slides = SLIDES.map(|slide| (worst(slide).max(bears), slide.abs(), slide));
         let best = slides.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let too_small = fitted(best.map_or(0, |best| best.2)).into_iter().filter(|(_, fitted)| fitted.ratio() > bears);
+        let slide = best.map_or(0, |best| best.2);
+        let too_small = fitted(slide).into_iter().filter(|(_, fitted)| fitted.ratio() > bears);
         // One finding for each stretch of the limb, at its tightest place.
         let too_small: Vec<(usize, Fitted)> = too_small.collect();
+        let lowest = around.iter().position(Option::is_some);
         for stretch in too_small.chunk_by(|a, b| b.0 <= a.0 + 2) {
+            let (first, last) = (stretch[0].0, stretch[stretch.len() - 1].0);
+            // What the zone cuts off below may go on there.
+            let is_end = first > 0 && Some(first) == lowest;
+            if is_end && (1..=BLOUSES).any(|rise| rides_up(&fitted, first..=last, slide, rise, bears)) {
+                continue;
+            }
             let tightest = stretch.iter().max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()));
             findings.extend(tightest.map(|(_, tightest)| told(given, &zone, tightest, marks)));
         }
     }
     findings
+}
+
+/// Do these rings fit where they are when they have gone up by `rise` more than all do, and folds the cloth above them over? It has to
+/// be loose for twice that height, as it lies double.
+fn rides_up<'a>(
+    fitted: &impl Fn(isize) -> Vec<(usize, Fitted<'a>)>,
+    rings: std::ops::RangeInclusive<usize>,
+    slide: isize,
+    rise: isize,
+    bears: f64,
+) -> bool {
+    let around = fitted(slide);
+    let is_ring = |k: usize| around.iter().any(|(other, _)| *other == k);
+    let is_loose = |k: usize| around.iter().any(|(other, fitted)| *other == k && fitted.ratio() * LOOSE <= 1.0);
+    // What is not loose above them goes up with them.
+    let mut last = *rings.end();
+    while is_ring(last + 1) && !is_loose(last + 1) {
+        last += 1;
+    }
+    let rings = *rings.start()..=last;
+    let fit = fitted(slide + rise).iter().filter(|(k, _)| rings.contains(k)).all(|(_, fitted)| fitted.ratio() <= bears);
+    fit && (last + 1..=last + 2 * rise as usize).all(is_loose)
 }
 
 fn told(given: &Given, zone: &Zone, Fitted { ring, station }: &Fitted, marks: &Landmarks) -> Finding {

@@ -66,7 +66,7 @@ fn look(asked: &Check) -> Result<Looked, Failure> {
     let clearance = asked.clearance(&fabric)?;
     let opened = PatternInput::open(&asked.pattern, &options);
     let mut pattern = opened.map_err(|e| findings.extend(Finding::of_error(e, Code::PatternUnreadable))).ok();
-    let mut is_sewn = true;
+    let (mut is_sewn, mut is_placeable) = (true, true);
     if let (Some(input), Some(seams)) = (&mut pattern, asked.seams.as_deref()) {
         let sewn = input.sew(seams).map_err(|e| findings.extend(Finding::of_error(e, Code::SeamUnusable)));
         is_sewn = sewn.is_ok();
@@ -84,7 +84,13 @@ fn look(asked: &Check) -> Result<Looked, Failure> {
         && let Err(Failure::Input(e) | Failure::Usage(e)) =
             place_all(std::slice::from_mut(input), body, &asked.placing, true)
     {
-        findings.extend(Finding::of_error(e, Code::PlacingFailed));
+        // Placing builds the garment as well, and finds again what cannot be built.
+        let found = Finding::of_error(e, Code::PlacingFailed).into_iter();
+        let is_known =
+            |new: &Finding| findings.iter().any(|old| old.code == new.code && old.error.places() == new.error.places());
+        let new: Vec<Finding> = found.filter(|new| !is_known(new)).collect();
+        findings.extend(new);
+        is_placeable = false;
     }
     if let Some(input) = &pattern {
         let seams = asked.seams.as_ref().map(|path| path.display().to_string());
@@ -113,8 +119,13 @@ fn look(asked: &Check) -> Result<Looked, Failure> {
             landmarks: landmarks.as_ref(),
             field: field.as_ref(),
         });
-        // A file of seams that cannot be used has been told of; that nothing is sewn follows.
-        let follows = |finding: &Finding| !is_sewn && finding.code == Code::NoSeams;
+        // A file of seams that cannot be used has been told of; that nothing is sewn follows. So does, from what hinders placing, that
+        // nothing is placed.
+        let follows = |finding: &Finding| match finding.code {
+            Code::NoSeams => !is_sewn,
+            Code::Unplaced => !is_placeable,
+            _ => false,
+        };
         findings.extend(found.into_iter().filter(|f| !follows(f)).map(|f| f.with_file(&input.place)));
     }
     if let Some(body) = &body {
@@ -134,11 +145,13 @@ impl Looked {
         if let Some(PatternInput { pattern, .. }) = &self.pattern {
             let area: f64 = pattern.panels.iter().map(|p| p.signed_area().abs()).sum();
             let seams: f64 = pattern.seams.iter().map(|s| pattern.seam_lengths(s)[0]).sum();
-            let (panels, count) = (pattern.panels.len(), pattern.seams.len());
+            let counted = |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
             let _ = writeln!(
                 text,
-                "pattern {}: {panels} panels of {area:.2} m² in all, {count} seams of {:.2} m",
+                "pattern {}: {} of {area:.2} m² in all, {} of {:.2} m",
                 pattern.name,
+                counted(pattern.panels.len(), "panel"),
+                counted(pattern.seams.len(), "seam"),
                 seams.abs()
             );
         }

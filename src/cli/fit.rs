@@ -194,7 +194,11 @@ fn summary(outcome: &Outcome, settings: &Settings, host: &Host, out: &Path) -> S
     let failed: Vec<String> = hand_off(assessment)
         .iter()
         .filter(|check| !check.passed)
-        .map(|check| format!("{} is {:.4}, limit {}", check.name.replace('_', " "), check.measured, check.limit))
+        .map(|check| {
+            // Counts are whole.
+            let digits = if check.measured.fract() == 0.0 { 0 } else { 4 };
+            format!("{} is {:.digits$}, limit {}", check.name.replace('_', " "), check.measured, check.limit)
+        })
         .collect();
     let verdict = match failed.as_slice() {
         [] => "Ready for hand-off.".to_owned(),

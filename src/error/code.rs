@@ -85,6 +85,7 @@ codes! {
     SeamUnequal = "S012", Warning, "The sides of a seam differ in length";
     EaseNotAsStated = "S013", Warning, "The ease of a seam is not the one stated";
     SeamNote = "S014", Warning, "Sewing differs from what is drawn";
+    SewnShut = "S015", Error, "Seams leave no opening";
 
     Unplaced = "A001", Warning, "A panel has no place around the body";
     PlacedElsewhere = "A002", Error, "The pattern is placed elsewhere than the body";

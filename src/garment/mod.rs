@@ -12,6 +12,7 @@ pub use level::{Eased, Hinge, Level, PanelRange};
 pub use together::patterns_together;
 
 use crate::geometry::{UnionFind, Vector2, Vector3};
+use crate::pattern::surface::{Surface, pieces};
 use crate::pattern::{Pattern, Sense};
 use crate::{Code, Error};
 use level::{RimEdge, panel_edges};
@@ -44,6 +45,7 @@ impl Garment {
     pub fn build(pattern: &Pattern, resolutions: &[f64]) -> Result<Self, Error> {
         check_resolutions(resolutions)?;
         check_particle_count(pattern, resolutions[resolutions.len() - 1])?;
+        check_openings(pattern)?;
         let outlines = Outlines::new(pattern, resolutions)?;
         // In the order of the levels, so that of several errors always the same one is told.
         let unsewn: Vec<Result<(Level, Vec<RimEdge>), Error>> =
@@ -305,6 +307,32 @@ fn eased(level: &Level, rim: &[RimEdge], pattern: &Pattern) -> Vec<Eased> {
     eased
 }
 
+/// What is sewn up all around is worn by nobody.
+fn check_openings(pattern: &Pattern) -> Result<(), Error> {
+    let shut = pieces(pattern).into_iter().filter(|piece| Surface::new(pattern, piece, &pattern.seams).rims.is_empty());
+    let error = |piece: Vec<usize>| {
+        /// Named at the most.
+        const MOST: usize = 3;
+        let name = |&panel: &usize| format!("\"{}\"", pattern.panels[panel].name);
+        let names: Vec<String> = piece[1..].iter().take(MOST).map(name).collect();
+        let with = match piece.len() - 1 {
+            0 => String::new(),
+            others if others > MOST => format!(" of it, {} and {} more", names.join(", "), others - MOST),
+            _ => format!(" of it and {}", names.join(", ")),
+        };
+        Error::new(
+            format!(
+                "Its seams make a bag{with}: every edge is sewn, and no opening is left for a body to pass through."
+            ),
+            "Leave open what is a hem, a neckline or the end of a sleeve, and sew a sleeve's cap to an armhole: \
+             `toile seams show` draws what is sewn to what.",
+        )
+        .coded(Code::SewnShut)
+        .within(format!("panel {}", name(&piece[0])))
+    };
+    Error::all(shut.map(error)).map_or(Ok(()), Err)
+}
+
 /// Sides of a seam that differ by less than this share are drawn equal.
 const EQUAL_LENGTHS: f64 = 1e-3;
 
@@ -319,12 +347,33 @@ fn check_sewn(level: &Level, pattern: &Pattern) -> Result<(), Error> {
         .collect();
     at_seams.iter_mut().for_each(|(corners, _)| corners.sort_unstable());
     at_seams.sort_unstable();
-    let folded = at_seams.iter().filter(|([a, b, c], _)| a == b || b == c).map(|(_, t)| *t);
-    let doubled = at_seams.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1);
-    let Some(first) = folded.chain(doubled).min() else { return Ok(()) };
-    let panel = &pattern.panels[level.panel_of_triangle()[first] as usize].name;
+    let folded = at_seams.iter().filter(|([a, b, c], _)| a == b || b == c).map(|(_, t)| (*t, None));
+    let doubled = at_seams.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| (w[1].1, Some(w[0].1)));
+    let Some((first, under)) = folded.chain(doubled).min() else { return Ok(()) };
+    let panel_of = level.panel_of_triangle();
+    let name = |triangle: usize| &pattern.panels[panel_of[triangle] as usize].name;
+    let panel = name(first);
+    // The triangle in a corner of an outline has a point that no other has.
+    let is_in_corner = |triangle: usize| {
+        let others = |p: u32| level.triangles.iter().filter(|corners| corners.contains(&p)).count();
+        level.triangles[triangle].iter().any(|&p| others(p) == 1)
+    };
+    if let Some(under) = under.filter(|&under| panel_of[under] != panel_of[first])
+        && is_in_corner(first)
+        && is_in_corner(under)
+    {
+        return Err(Error::new(
+            format!(
+                "It is sewn to panel \"{}\" around a corner, where nothing else is sewn: the tip of the one would lie on that of the other.",
+                name(under)
+            ),
+            "Look at this corner with `toile seams show`. If both seams are meant, leave one of them open near the corner, or cut it off.",
+        )
+        .coded(Code::PanelTooNarrow)
+        .within(format!("panel \"{panel}\"")));
+    }
     Err(Error::new(
-        format!("It is narrower than the resolution of {} mm can sew.", level.resolution * 1e3),
+        format!("It is narrower than the resolution of {} mm can sew.", (level.resolution * 1e4).round() / 10.0),
         "Ask for finer levels, such as --levels \"20,10,5 mm\".",
     )
     .coded(Code::PanelTooNarrow)

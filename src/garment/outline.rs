@@ -78,7 +78,10 @@ impl Outlines {
             while polygon_crossing(&self.outline(pattern, panel, level).points).is_some() {
                 if refinements == MOST_REFINEMENTS {
                     return Err(Error::new(
-                        format!("Its outline crosses itself at a resolution of {} mm.", resolution * 1e3),
+                        format!(
+                            "Its outline crosses itself at a resolution of {} mm.",
+                            (resolution * 1e4).round() / 10.0
+                        ),
                         "Straighten the narrow part of the outline, or ask for a finer resolution.",
                     )
                     .coded(Code::PanelTooNarrow)

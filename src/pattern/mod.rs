@@ -15,6 +15,7 @@ pub(crate) mod shapes;
 mod spline;
 mod split;
 pub mod suggest;
+pub mod surface;
 
 pub use curve::{Arc, Curve, Shape};
 pub use fabric::{Cut, Directional, Fabric, PRESETS, Preset, Quality};

@@ -33,6 +33,12 @@ impl Directions {
     pub(super) fn travelled<'a>(&self, index: usize, plan: &'a SeamPlan) -> [Vec<Travelled<'a>>; 2] {
         travelled(plan, self.backward[index], self.folded[index], &|panel| self.turned[panel])
     }
+
+    /// How the outlines, as they are drawn, run along a plan that sews one stretch to one.
+    pub fn sense(&self, index: usize, plan: &SeamPlan) -> Sense {
+        let [a, b] = self.travelled(index, plan).map(|side| side[0].forward);
+        if a == b { Sense::Aligned } else { Sense::Opposed }
+    }
 }
 
 /// What every needless loss of a corner costs: a handle costs two, more than notches that do not match.

@@ -7,10 +7,11 @@
 //! speaks stay open: hems, necklines, cuffs.
 //!
 //! In drawings, of which no panel has a place, seams come in mirror images (`symmetry`), and what is left open closes in lines of
-//! several edges (`rims`).
+//! several edges (`rims`). What would make a bag of a part of the garment is given up again (`openings`).
 
 mod drawn;
 mod names;
+mod openings;
 mod rims;
 mod score;
 mod symmetry;
@@ -39,16 +40,27 @@ const MOST_SEGMENTS: usize = 3000;
 
 /// Seams for the pattern's panels, whatever seams it has; the most certain first.
 pub fn suggest(pattern: &Pattern) -> Vec<Suggestion> {
-    let edges = Edges::new(pattern);
+    let mut edges = Edges::new(pattern);
     if edges.ids.len() > MOST_SEGMENTS {
         return Vec::new();
     }
     let mut sewing = Sewing::new(&edges);
-    sewing.take(|sewing, candidate| !candidate.is_upper && !sewing.has_middle(candidate));
-    // Shoulders are open beside: at armhole and neckline. Waists are not.
-    sewing.take(|sewing, candidate| {
-        candidate.is_upper && [candidate.a, candidate.b].iter().all(|&edge| sewing.is_free_beside(edge))
-    });
+    sewing.take_all();
+    // What closes a bag is none of its seams, and yet tells which panels are drawn with their wrong sides up: those edges are alike.
+    let mut turned = None;
+    // Ends: of the candidates, which are finitely many, some are given up in every round.
+    loop {
+        let found = sewing.directions();
+        let closing = sewing.closing(&found);
+        turned.get_or_insert(found.turned);
+        if closing.is_empty() {
+            break;
+        }
+        sewing.give_up(&closing);
+        sewing.take_all();
+    }
+    let Sewing { taken, sewn_to, .. } = sewing;
+    turned.into_iter().for_each(|turned| edges.turn_over(turned));
     let suggestion = |sides: [Vec<usize>; 2], score: f64, reasons: &[String]| {
         let stretches = |side: &Vec<usize>| side.iter().map(|&e| Stretch::whole(edges.ids[e])).collect::<Vec<_>>();
         let name = |&e: &usize| format!("{}:{}", pattern.panels[edges.ids[e].panel].name, edges.ids[e].segment);
@@ -66,13 +78,12 @@ pub fn suggest(pattern: &Pattern) -> Vec<Suggestion> {
             reason: reasons.join(", "),
         }
     };
-    let mut made: Vec<Suggestion> = sewing
-        .taken
+    let mut made: Vec<Suggestion> = taken
         .iter()
         .map(|(candidate, score)| suggestion([vec![candidate.a], vec![candidate.b]], *score, &candidate.reasons))
         .collect();
     if edges.are_drawn() {
-        for run in rims::runs(&edges, &sewing.sewn_to) {
+        for run in rims::runs(&edges, &sewn_to) {
             made.push(suggestion(run.sides, run.score - 1.0, &run.reasons));
         }
     }
@@ -104,6 +115,14 @@ impl<'e> Sewing<'e> {
         }
         candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then((a.a, a.b).cmp(&(b.a, b.b))));
         Self { edges, candidates, corners: UnionFind::new(count), sewn_to: vec![None; count], taken: Vec::new() }
+    }
+
+    fn take_all(&mut self) {
+        self.take(|sewing, candidate| !candidate.is_upper && !sewing.has_middle(candidate));
+        // Shoulders are open beside: at armhole and neckline. Waists are not.
+        self.take(|sewing, candidate| {
+            candidate.is_upper && [candidate.a, candidate.b].iter().all(|&edge| sewing.is_free_beside(edge))
+        });
     }
 
     /// Takes the best of some candidates as long as there are good ones.
@@ -157,6 +176,26 @@ impl<'e> Sewing<'e> {
             self.corners.union(u, v);
         }
         self.taken.push((candidate, score));
+    }
+
+    /// Gives up taken seams, by their places, for good. In drawings their edges, where no other is of their length, are left to the
+    /// lines of several edges: the caps of both halves of a sleeve are as long as the armhole, and none of them need be as its half.
+    fn give_up(&mut self, closing: &[usize]) {
+        let (mut kept, mut barred) = (Vec::new(), Vec::new());
+        for (k, taken) in std::mem::take(&mut self.taken).into_iter().enumerate() {
+            if closing.contains(&k) { barred.push([taken.0.a, taken.0.b]) } else { kept.push(taken) }
+        }
+        let drawn = self.edges.are_drawn();
+        self.candidates.retain(|candidate| {
+            let pair = [candidate.a, candidate.b];
+            let is_left = drawn && !self.edges.are_as_long(candidate.a, candidate.b);
+            let touches = || barred.iter().flatten().any(|edge| pair.contains(edge));
+            let is_barred = barred.contains(&pair) || is_left && touches();
+            !is_barred
+        });
+        self.corners = UnionFind::new(self.sewn_to.len());
+        self.sewn_to.fill(None);
+        kept.into_iter().for_each(|(candidate, score)| self.sew(candidate, score));
     }
 
     /// Would it be the second seam between a panel and its mirror image? A panel has one in the middle of the garment.

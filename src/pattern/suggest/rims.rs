@@ -64,9 +64,11 @@ pub fn runs(edges: &Edges, sewn_to: &[Option<usize>]) -> Vec<Run> {
     }
     pairs.sort_by(|(p, i), (q, j)| q.score.total_cmp(&p.score).then(i.cmp(j)));
     let mut used = vec![false; rims.len()];
+    // Pieces meet in one line: with a second they would close to a tyre, as a cuff sewn to both ends of its sleeve.
+    let mut joined_pieces = UnionFind::new(edges.ids.iter().map(|id| id.panel + 1).max().unwrap_or(0));
     let mut runs = Vec::new();
     for (run, [a, b]) in pairs {
-        if used[a] || used[b] {
+        if used[a] || used[b] || joined_pieces.find(rims[a].piece) == joined_pieces.find(rims[b].piece) {
             continue;
         }
         // Both sides of the garment at once.
@@ -77,7 +79,11 @@ pub fn runs(edges: &Edges, sewn_to: &[Option<usize>]) -> Vec<Run> {
         let score = run.score;
         runs.push(run);
         (used[a], used[b]) = (true, true);
-        if let Some([p, q]) = image {
+        joined_pieces.union(rims[a].piece, rims[b].piece);
+        if let Some([p, q]) =
+            image.filter(|&[p, q]| joined_pieces.find(rims[p].piece) != joined_pieces.find(rims[q].piece))
+        {
+            joined_pieces.union(rims[p].piece, rims[q].piece);
             runs.push(Run { score, ..joined(edges, &rims, p, q) });
             (used[p], used[q]) = (true, true);
         }

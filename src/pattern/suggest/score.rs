@@ -12,6 +12,9 @@ use crate::pattern::{BodyPart, NotchKind, Pattern, SegmentId, SegmentLabel};
 /// Points at which segments are compared.
 const PROBES: usize = 5;
 
+/// Lengths of which the smaller is more than this share of the larger are equal.
+const EQUAL: f64 = 0.995;
+
 /// What is known of one segment.
 struct Edge {
     length: f64,
@@ -42,6 +45,8 @@ pub struct Edges<'p> {
     mirror: Vec<Option<usize>>,
     /// Per panel: index of its first segment.
     first: Vec<usize>,
+    /// Per panel: is it drawn with its wrong side up? Not known before seams are.
+    turned: Vec<bool>,
     /// Per panel: its middle in the world.
     middle: Vec<Vector3>,
 }
@@ -69,6 +74,7 @@ impl<'p> Edges<'p> {
             mirror: Vec::new(),
             roles: pattern.panels.iter().map(|p| role(&p.name)).collect(),
             first: Vec::new(),
+            turned: vec![false; pattern.panels.len()],
             middle: Vec::new(),
         };
         for (panel, drawn) in pattern.panels.iter().enumerate() {
@@ -131,6 +137,12 @@ impl<'p> Edges<'p> {
         self.edges[edge].length
     }
 
+    /// Are they as long as each other, as far as that is drawn?
+    pub fn are_as_long(&self, a: usize, b: usize) -> bool {
+        let lengths = [self.length(a), self.length(b)];
+        lengths[0].min(lengths[1]) > EQUAL * lengths[0].max(lengths[1])
+    }
+
     pub fn bulge(&self, edge: usize) -> f64 {
         self.edges[edge].bulge
     }
@@ -144,9 +156,14 @@ impl<'p> Edges<'p> {
         &self.edges[edge].notches
     }
 
-    /// Does the outline of its panel run clockwise?
+    /// Turns those panels over, of all, whose wrong side is drawn.
+    pub fn turn_over(&mut self, turned: Vec<bool>) {
+        self.turned = turned;
+    }
+
+    /// Does the outline of its panel run clockwise, right side up?
     pub fn is_clockwise(&self, edge: usize) -> bool {
-        self.edges[edge].normal.z < 0.0
+        (self.edges[edge].normal.z < 0.0) ^ self.turned[self.ids[edge].panel]
     }
 
     /// Out of the panel across a segment, as drawn, seen with the right side up: what is left then is left.
@@ -187,7 +204,7 @@ impl<'p> Edges<'p> {
             return made;
         }
         made.score += match ratio {
-            r if r > 0.995 => 2.0,
+            r if r > EQUAL => 2.0,
             r if r > 0.97 => 1.3,
             r if r > 0.9 => 0.5,
             r if r > 0.6 => -0.2,
@@ -195,7 +212,7 @@ impl<'p> Edges<'p> {
             _ => -4.0,
         };
         made.reasons.push(match ratio {
-            r if r > 0.995 => "equal lengths".to_owned(),
+            r if r > EQUAL => "equal lengths".to_owned(),
             r => format!("{:.0} % longer on one side", 100.0 * (1.0 / r - 1.0)),
         });
         let named = together(&self.roles[panel_a], &self.roles[panel_b]);
