@@ -14,6 +14,10 @@
 //! `δ` is the clearance. The velocity of the skin is that of the moving triangle at the foot's barycentric weights.
 //! Contact is no spring: what rests on the body rests there in exactly the balance of the fit.
 //!
+//! In a fold of the body a particle meets both skins. Where they leave no room for its clearances it is let be: it goes along
+//! with both, to the middle between them and toward the open side (theory, equation 30), the limit of stretch has the last word,
+//! and it is not put back.
+//!
 //! Where the body bulges out between particles they keep farther off: middles of edges and triangles are looked at every
 //! so many steps, and what they lack is added to what the particles around keep beyond the clearance.
 //!
