@@ -20,6 +20,7 @@ pub use motion::Motion;
 use crate::geometry::{BoxTree, Vector3, closest_on_triangle, triangle_distance, triangles_intersect};
 use crate::{Error, Warning};
 use skin::{Exposure, Skin};
+pub(crate) use winding::winding_number;
 
 /// A closed, outward-facing triangle mesh, m, y up, facing +z.
 pub struct Body {

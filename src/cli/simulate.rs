@@ -15,7 +15,7 @@ use crate::garment::{Garment, Level};
 use crate::geometry::Vector3;
 use crate::io::checkpoint::{self, Checkpoint, Description};
 use crate::io::moving_body::{self, Options};
-use crate::io::simulation_report::{FrameRecord, Measured, Settled};
+use crate::io::simulation_report::{FrameRecord, Measured, Settled, Spot};
 use crate::io::state::{self, State};
 use crate::io::{atomic, body_obj, process, read};
 use crate::pattern::{Cut, Fabric, Pattern};
@@ -74,7 +74,7 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
     warnings.extend(in_another_pose(&shot, &positions, &settings, &level, asked)?);
     let inputs = Inputs { fitted: &fitted, motion: &motion, settings: &settings, shot: &shot, asked };
     let silent = asked.progress == Progress::None;
-    let told = tell(&warnings.iter().collect::<Vec<_>>(), silent);
+    let mut told = tell(&warnings.iter().collect::<Vec<_>>(), silent);
 
     // What the cloth is, and where it stands.
     let fabrics: Vec<&Fabric> = fitted.iter().map(|f| &f.state.fabric).collect();
@@ -108,8 +108,9 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
             return Err(blown_up(frame, &settings).into());
         }
         let measured = (asked.measure_every > 0 && frame.is_multiple_of(asked.measure_every))
-            .then(|| measure(&level, positions, &end, motion.triangles(), &surface, &settings.collisions));
-        frames.push(record(frame, shot.duration, &course, measured));
+            .then(|| measure(&level, &simulation, &end, motion.triangles(), &surface, &settings.collisions));
+        let spot = simulation.most_stretched().map(|(ends, _)| spot(&fitted, positions, ends));
+        frames.push(FrameRecord { most_stretched: spot, ..record(frame, shot.duration, &course, measured) });
         results.append(frame, positions)?;
         results.shoot(frame, positions, &end);
         let description = Description { of: digest.clone(), settled: settled.clone(), frames: frames.clone() };
@@ -121,6 +122,8 @@ pub fn run(asked: &Simulate) -> Result<Status, Failure> {
         watcher.frame(frames.last().expect("a frame was just added"));
     }
     watcher.finish();
+    let not_kept = unmet(&frames, settings.stretch_limit);
+    told.extend(tell(&not_kept.iter().collect::<Vec<_>>(), silent));
     let pace = (simulation.step_length(), simulation.forces().pace.added);
     let summary = results.finish(&inputs, (&settled, &frames), pace, &told, [Some(wall), cpu], started)?;
     if !silent {
@@ -351,21 +354,74 @@ fn record(frame: usize, duration: f64, course: &Course, measured: Option<Measure
         largest_speed: course.largest_speed,
         rms_speed: course.rms_speed,
         largest_stretch: course.largest_strain,
+        most_stretched: None,
+        particles_pinched: course.met.pinched,
         measured,
     }
+}
+
+/// The middle of an edge of all garments' cloth, and the panel that it is of.
+fn spot(fitted: &[Fitted], positions: &[Vector3], ends: [u32; 2]) -> Spot {
+    let [a, b] = ends.map(|p| positions[p as usize]);
+    let (mut garment, mut first) = (&fitted[0], 0);
+    for next in fitted {
+        if first + next.level().particle_count as u32 > ends[0] {
+            garment = next;
+            break;
+        }
+        first += next.level().particle_count as u32;
+    }
+    let level = garment.level();
+    let has_both = |t: &usize| ends.iter().all(|p| level.particles(*t).contains(&(p - first)));
+    let triangle = (0..level.triangles.len()).find(has_both).expect("an edge is of a triangle");
+    let panel = level.panel_of_triangle()[triangle] as usize;
+    Spot { panel: garment.pattern.panels[panel].name.clone(), at: ((a + b) * 0.5).into() }
+}
+
+/// Stretch beyond the limit by this much is told, as a share of the length.
+const BEYOND_LIMIT: f64 = 0.02;
+
+/// What could not be met in some frame: the limit of stretch, and a clear place for all cloth.
+fn unmet(frames: &[FrameRecord], limit: Option<f64>) -> Vec<Warning> {
+    let mut unmet = Vec::new();
+    let most = frames.iter().max_by(|a, b| a.largest_stretch.total_cmp(&b.largest_stretch));
+    if let (Some(frame), Some(limit)) = (most, limit)
+        && let Some(Spot { panel, at: [x, y, z] }) = &frame.most_stretched
+        && frame.largest_stretch > limit + BEYOND_LIMIT
+    {
+        let (stretch, limit) = (100.0 * frame.largest_stretch, 100.0 * limit);
+        let problem = format!(
+            "The limit of {limit:.0} % could not be kept: by up to {stretch:.0} % was the cloth of `{panel}` stretched."
+        );
+        let remedy = "The body is wider there than the cloth may become, as in a stride longer than a skirt is wide: give the \
+                      garment more ease, or take a fabric that bears more.";
+        let place = format!("frame {}, around ({x:.2}, {y:.2}, {z:.2}) m", frame.frame);
+        unmet.push(Warning(Error::new(problem, remedy).within(place)));
+    }
+    if let Some(frame) = frames.iter().max_by_key(|f| f.particles_pinched).filter(|f| f.particles_pinched > 0) {
+        let problem = format!(
+            "Up to {} particles lay where skin leaves no room for cloth: they were let be between it.",
+            frame.particles_pinched
+        );
+        let remedy = "Where limbs press each other, or the body passes through itself, as behind a bent knee, no place is \
+                      clear. Only a body that does neither helps.";
+        unmet.push(Warning(Error::new(problem, remedy).within(format!("frame {}", frame.frame))));
+    }
+    unmet
 }
 
 /// Exact tests at the end of a frame, of what is to keep clear. What the body's own skin hides, where a limb lies in
 /// another, is inside the body, but not deep in what can be seen of it.
 fn measure(
     level: &Level,
-    positions: &[Vector3],
+    simulation: &Simulation,
     body: &[Vector3],
     triangles: &[[u32; 3]],
     surface: &Surface,
     collisions: &Collisions,
 ) -> Measured {
     use rayon::prelude::*;
+    let (positions, pinched) = (&simulation.movement.positions, simulation.pinched());
     let panel_of = level.panel_of_triangle();
     let panel = |triangle: u32| panel_of[triangle as usize] as usize;
     let mut crossings = crate::assess::cloth_intersections(level, positions);
@@ -373,32 +429,32 @@ fn measure(
     let cloth_intersections = crossings.len();
     let free = collisions.free_of_body(level);
     let held = |&(k, _): &(usize, &Vector3)| !free.get(k).is_some_and(|free| *free);
-    let held: Vec<Vector3> = positions.iter().enumerate().filter(held).map(|(_, p)| *p).collect();
-    let near = |p: &&Vector3| surface.nearest(**p, NEAR_SKIN).is_some_and(|place| place.distance < NEAR_SKIN);
+    let held: Vec<(usize, Vector3)> = positions.iter().enumerate().filter(held).map(|(k, p)| (k, *p)).collect();
+    let of_depths = |depths: Vec<(usize, f64)>| {
+        let deepest = |depths: &mut dyn Iterator<Item = &(usize, f64)>| depths.map(|d| d.1).fold(0.0, f64::max) * 1e3;
+        Measured {
+            particles_inside: depths.iter().filter(|d| d.1 > 0.0).count(),
+            deepest_mm: deepest(&mut depths.iter()),
+            deepest_with_room_mm: deepest(&mut depths.iter().filter(|d| !pinched[d.0])),
+            body_intersections: 0,
+            cloth_intersections,
+        }
+    };
+    let near =
+        |(_, p): &&(usize, Vector3)| surface.nearest(*p, NEAR_SKIN).is_some_and(|place| place.distance < NEAR_SKIN);
     let Ok((body, _)) = Body::new(body.to_vec(), triangles.to_vec()) else {
         // A frame may be no proper body; the surface that the cloth felt is then all there is to measure against.
         let depth = |p: &Vector3| surface.nearest(*p, 0.1).map_or(0.0, |place| (-place.distance).max(0.0));
-        let depths: Vec<f64> = held.par_iter().map(depth).collect();
-        return Measured {
-            particles_inside: depths.iter().filter(|d| **d > 0.0).count(),
-            deepest_mm: depths.iter().copied().fold(0.0, f64::max) * 1e3,
-            body_intersections: 0,
-            cloth_intersections,
-        };
+        return of_depths(held.par_iter().map(|(k, p)| (*k, depth(p))).collect());
     };
     let depth = |p: &Vector3| match body.contains(*p) {
         true => body.nearest(*p, 0.2).map_or(0.2, |nearest| nearest.distance),
         false => 0.0,
     };
-    let depths: Vec<f64> = held.par_iter().filter(near).map(depth).collect();
+    let depths = held.par_iter().filter(near).map(|(k, p)| (*k, depth(p))).collect();
     let mut pierced = crate::assess::body_intersections(level, positions, &body);
     pierced.retain(|&[t, _]| collisions.of(panel(t)) != Collide::Nothing);
-    Measured {
-        particles_inside: depths.iter().filter(|d| **d > 0.0).count(),
-        deepest_mm: depths.iter().copied().fold(0.0, f64::max) * 1e3,
-        body_intersections: pierced.len(),
-        cloth_intersections,
-    }
+    Measured { body_intersections: pierced.len(), ..of_depths(depths) }
 }
 
 /// Only particles nearer to the skin than this are asked whether they are inside, m.

@@ -143,6 +143,17 @@ impl Simulation {
         self.elastic.largest_strain(&self.movement.positions)
     }
 
+    /// The edge of the largest strain, by its ends, with the strain.
+    pub fn most_stretched(&self) -> Option<([u32; 2], f64)> {
+        self.elastic.most_stretched(&self.movement.positions)
+    }
+
+    /// Which particles the last step left between two skins that leave them no room, one for each: where limbs press each
+    /// other, or the body passes through itself.
+    pub fn pinched(&self) -> Vec<bool> {
+        self.response.pinched()
+    }
+
     pub fn forces(&mut self) -> &mut Forces {
         &mut self.forces
     }
@@ -276,7 +287,8 @@ impl Simulation {
         }
         let met = response.respond(surface, &movement.positions, mean, step);
         // After friction: what limbs drag apart slips.
-        elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
+        let hold = |p: usize, velocity: &mut Vector3| response.hold(p, velocity);
+        elastic.limit(&movement.positions, mean, &forces.pace.inertia, step, hold);
         waistbands.iter().for_each(|band| band.hold(mean));
         if let Some(floor) = floor {
             floor.hold_off(&movement.positions, mean, step);
@@ -286,14 +298,14 @@ impl Simulation {
         if forces.limit(&movement.positions, mean) {
             // Neither does cloth that is drawn along by cloth tear its neighbours.
             for_all(mean, |_, m| *m /= step);
-            elastic.limit(&movement.positions, mean, &forces.pace.inertia, step);
+            elastic.limit(&movement.positions, mean, &forces.pace.inertia, step, hold);
             for_all(mean, |_, m| *m *= step);
         }
         for_all(velocities, |p, v| *v += mean[p] / step);
         for_all(&mut movement.positions, |p, x| *x += mean[p]);
         movement.velocities.copy_from_slice(velocities);
         surface.advance((elapsed + step) / duration);
-        let back = response.put_back(surface, &mut movement.positions, &mut movement.velocities);
+        let back = response.put_back(surface, &mut movement.positions, &mut movement.velocities, step);
         (step, Met { interfering: back.interfering, deepest: back.deepest, ..met })
     }
 }

@@ -14,6 +14,10 @@
 //! `δ` is the clearance. The velocity of the skin is that of the moving triangle at the foot's barycentric weights.
 //! Contact is no spring: what rests on the body rests there in exactly the balance of the fit.
 //!
+//! In a fold of the body a particle meets both skins. Where they leave no room for its clearances it is let be: it goes along
+//! with both, to the middle between them and toward the open side (theory, equation 30), the limit of stretch has the last word,
+//! and it is not put back.
+//!
 //! Where the body bulges out between particles they keep farther off: middles of edges and triangles are looked at every
 //! so many steps, and what they lack is added to what the particles around keep beyond the clearance.
 //!
@@ -50,11 +54,30 @@ const BULGE: f64 = 0.3;
 /// Impacts slower than this are no impacts, m/s: gravity over a step.
 const SLOWEST_IMPACT: f64 = 0.05;
 
+/// Skin that faces that which a particle is near to is looked for within this distance, m.
+const ACROSS: f64 = 0.012;
+/// And within this one by a particle that is inside the body: how far two limbs may pass through each other, m.
+const OVERLAP: f64 = 0.05;
+/// Cosine of the angle between the normals of two skins below which they hold cloth fast that they leave no room: friction
+/// of 0.6 keeps it in a fold of sixty degrees.
+const SHARP: f64 = -0.5;
+/// Such cloth moves to the middle between them, and out of the fold, at these speeds, m/s.
+const TO_MIDDLE: f64 = 0.5;
+const SQUEEZE: f64 = 0.5;
+/// Particles deeper inside than this, m, as they were between skins that have parted, come out at this speed, m/s; others
+/// are put back at once.
+const DEEP: f64 = 1e-3;
+const RETURN: f64 = 0.5;
+
 /// What is known of a particle and the skin.
 #[derive(Clone, Copy, Debug)]
 struct Track {
     /// The nearest place, when it was last computed, if the particle is near one.
     place: Option<Place>,
+    /// The nearest place of skin that faces the skin there, if that is near as well or passes through it.
+    other: Option<Place>,
+    /// Do the two leave no room between them?
+    pinched: bool,
     /// Steps since it was looked for everywhere, and since it was computed.
     age: u32,
     carried: u32,
@@ -68,8 +91,8 @@ struct Track {
     extra: f64,
     /// The triangle of the last place: the side of a narrow gap that the particle is on.
     side: u32,
-    /// The least velocity along the direction away from the skin that the last response left it, m/s.
-    least: Option<(Vector3, f64)>,
+    /// The least velocities along the directions away from the skins that the last response left it, m/s.
+    least: [Option<(Vector3, f64)>; 2],
     /// Does it pass through the body?
     free: bool,
 }
@@ -77,6 +100,8 @@ struct Track {
 impl Track {
     const UNKNOWN: Track = Track {
         place: None,
+        other: None,
+        pinched: false,
         age: 0,
         carried: 0,
         slid: 0.0,
@@ -84,7 +109,7 @@ impl Track {
         close: false,
         extra: 0.0,
         side: NOWHERE,
-        least: None,
+        least: [None; 2],
         free: false,
     };
 }
@@ -129,6 +154,8 @@ impl Middles {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Met {
     pub in_contact: usize,
+    /// Particles between two skins that leave them no room.
+    pub pinched: usize,
     /// Particles that had to be put back on the skin.
     pub interfering: usize,
     /// The deepest of them, m.
@@ -139,6 +166,7 @@ impl Met {
     fn and(self, other: Met) -> Met {
         Met {
             in_contact: self.in_contact + other.in_contact,
+            pinched: self.pinched + other.pinched,
             interfering: self.interfering + other.interfering,
             deepest: self.deepest.max(other.deepest),
         }
@@ -197,40 +225,39 @@ impl Response {
         let met = chunks.map(|((tracks, positions), velocities)| {
             let mut met = Met::default();
             for ((track, &position), velocity) in tracks.iter_mut().zip(positions).zip(velocities) {
-                track.least = None;
-                let Some(place) = track.follow(surface, position, *velocity, step, clearance) else { continue };
-                let skin = surface.velocity(&place);
-                let (normal, relative) = (place.normal, *velocity - skin);
-                let approach = relative.dot(&normal);
-                let gap = place.distance - clearance - track.extra;
-                let arrives = gap + approach * step <= 0.0;
-                let least = if gap <= 0.0 || arrives {
-                    met.in_contact += 1;
-                    let rebound = if approach < -SLOWEST_IMPACT { -restitution * approach } else { f64::NEG_INFINITY };
-                    (-gap / step).min(RECOVERY).max(rebound)
-                } else if gap < BAND && restitution == 0.0 {
-                    approach * (gap / BAND)
-                } else {
-                    // It moves as it likes.
-                    f64::NEG_INFINITY
+                track.least = [None; 2];
+                let Some((place, other)) = track.follow(surface, position, *velocity, step, clearance) else {
+                    continue;
                 };
-                if approach < least {
-                    let push = least - approach;
-                    let along = relative - normal * approach;
-                    let speed = along.norm();
-                    // Neither a rebound nor the way back to the clearance presses.
-                    let grip = (friction * (push - least.max(0.0))).min(speed);
-                    let slowed = if speed > 0.0 { along * (1.0 - grip / speed) } else { along };
-                    *velocity = skin + slowed + normal * least;
+                track.pinched = other.is_some_and(|other| no_room(&place, &other, clearance));
+                if let (true, Some(other)) = (track.pinched, other) {
+                    met.in_contact += 1;
+                    met.pinched += 1;
+                    let skin = between(surface, [&place, &other], velocity, friction, step);
+                    track.slid += (*velocity - skin).norm() * step;
+                    track.extra = 0.0;
+                    continue;
                 }
-                let relative = *velocity - skin;
-                let slid = (relative - normal * relative.dot(&normal)).norm() * step;
+                let against = Against { friction, restitution, clearance: clearance + track.extra, step };
+                let (first, touches) = against.meet(surface, &place, velocity);
+                track.least[0] = Some(first);
+                let mut arrives = touches;
+                if let Some(other) = other {
+                    let (second, touches) = against.meet(surface, &other, velocity);
+                    track.least[1] = Some(second);
+                    arrives |= touches;
+                    track.hold(velocity);
+                }
+                met.in_contact += usize::from(arrives);
+                let relative = *velocity - surface.velocity(&place);
+                let slid = (relative - place.normal * relative.dot(&place.normal)).norm() * step;
                 track.slid += slid;
                 if track.extra > 0.0 {
                     track.extra *= (-slid / FORGETTING).exp();
                 }
-                track.close = place.distance + relative.dot(&normal) * step < CLOSE;
-                track.least = Some((normal, skin.dot(&normal) + least.max((-gap / step).min(RECOVERY))));
+                let after =
+                    |place: &Place| place.distance + (*velocity - surface.velocity(place)).dot(&place.normal) * step;
+                track.close = after(&place).min(other.as_ref().map_or(f64::INFINITY, after)) < CLOSE;
             }
             met
         });
@@ -239,11 +266,17 @@ impl Response {
 
     /// Takes back what has been changed since the last response in velocities, m/s, as far as it leads into the body.
     pub fn hold_off(&self, velocities: &mut [Vector3]) {
-        for_all(velocities, |p, velocity| {
-            if let Some((normal, least)) = self.tracks[p].least {
-                *velocity += normal * (least - velocity.dot(&normal)).max(0.0);
-            }
-        });
+        for_all(velocities, |p, velocity| self.hold(p, velocity));
+    }
+
+    /// The same for one particle.
+    pub fn hold(&self, particle: usize, velocity: &mut Vector3) {
+        self.tracks[particle].hold(velocity);
+    }
+
+    /// Which particles are between two skins that leave them no room.
+    pub fn pinched(&self) -> Vec<bool> {
+        self.tracks.iter().map(|track| track.pinched).collect()
     }
 
     /// Has particles keep farther off where the body comes through the cloth between them: at the middles of edges and
@@ -254,7 +287,7 @@ impl Response {
             let mut start: Option<Place> = None;
             let mut middle = Vector3::zeros();
             for &p in corners {
-                let place = tracks[p as usize].place?;
+                let place = tracks[p as usize].place.filter(|_| !tracks[p as usize].pinched)?;
                 if start.is_none_or(|nearest| place.distance < nearest.distance) {
                     start = Some(place);
                 }
@@ -293,24 +326,34 @@ impl Response {
         }
     }
 
-    /// Puts particles that are in the body back on the skin, and has them move with it.
-    pub fn put_back(&mut self, surface: &Surface, positions: &mut [Vector3], velocities: &mut [Vector3]) -> Met {
+    /// Puts particles that are in the body after `step`, s, back on the skin, and has them move with it.
+    pub fn put_back(
+        &mut self,
+        surface: &Surface,
+        positions: &mut [Vector3],
+        velocities: &mut [Vector3],
+        step: f64,
+    ) -> Met {
         let chunks =
             self.tracks.par_chunks(CHUNK).zip(positions.par_chunks_mut(CHUNK)).zip(velocities.par_chunks_mut(CHUNK));
         let met = chunks.map(|((tracks, positions), velocities)| {
             let mut met = Met::default();
             for ((track, position), velocity) in tracks.iter().zip(positions).zip(velocities) {
-                let Some(place) = track.place.filter(|_| track.close) else { continue };
-                if surface.carried(*position, &place).distance > 0.5 * CLOSE {
-                    continue;
-                }
-                let place = surface.refine(*position, place.triangle);
-                if place.distance < 0.0 {
-                    met.interfering += 1;
-                    met.deepest = met.deepest.max(-place.distance);
-                    *position = place.point + place.normal * ON_TOP;
-                    let inward = (*velocity - surface.velocity(&place)).dot(&place.normal).min(0.0);
-                    *velocity -= place.normal * inward;
+                for place in [track.place, track.other].into_iter().flatten().filter(|_| track.close) {
+                    if surface.carried(*position, &place).distance > 0.5 * CLOSE {
+                        continue;
+                    }
+                    let place = surface.refine(*position, place.triangle);
+                    if place.distance < 0.0 {
+                        met.interfering += 1;
+                        met.deepest = met.deepest.max(-place.distance);
+                        *position = match -place.distance < DEEP {
+                            true => place.point + place.normal * ON_TOP,
+                            false => *position + place.normal * (RETURN * step),
+                        };
+                        let inward = (*velocity - surface.velocity(&place)).dot(&place.normal).min(0.0);
+                        *velocity -= place.normal * inward;
+                    }
                 }
             }
             met
@@ -318,6 +361,76 @@ impl Response {
         met.reduce(Met::default, Met::and)
     }
 }
+
+/// How a particle meets one skin.
+struct Against {
+    friction: f64,
+    restitution: f64,
+    /// With what the particle keeps beyond it, m.
+    clearance: f64,
+    /// s.
+    step: f64,
+}
+
+impl Against {
+    /// Changes a velocity, m/s, so that it keeps the clearance from a place; returns the least along its normal that does, with
+    /// the normal, and whether they touch.
+    fn meet(&self, surface: &Surface, place: &Place, velocity: &mut Vector3) -> ((Vector3, f64), bool) {
+        let skin = surface.velocity(place);
+        let (normal, relative) = (place.normal, *velocity - skin);
+        let approach = relative.dot(&normal);
+        let gap = place.distance - self.clearance;
+        let touches = gap <= 0.0 || gap + approach * self.step <= 0.0;
+        let least = if touches {
+            let rebound = if approach < -SLOWEST_IMPACT { -self.restitution * approach } else { f64::NEG_INFINITY };
+            (-gap / self.step).min(RECOVERY).max(rebound)
+        } else if gap < BAND && self.restitution == 0.0 {
+            approach * (gap / BAND)
+        } else {
+            // It moves as it likes.
+            f64::NEG_INFINITY
+        };
+        if approach < least {
+            let push = least - approach;
+            let along = relative - normal * approach;
+            let speed = along.norm();
+            // Neither a rebound nor the way back to the clearance presses.
+            let grip = (self.friction * (push - least.max(0.0))).min(speed);
+            let slowed = if speed > 0.0 { along * (1.0 - grip / speed) } else { along };
+            *velocity = skin + slowed + normal * least;
+        }
+        ((normal, skin.dot(&normal) + least.max((-gap / self.step).min(RECOVERY))), touches)
+    }
+}
+
+/// Do two skins that face each other hold a particle fast between them?
+fn no_room(one: &Place, other: &Place, clearance: f64) -> bool {
+    one.distance + other.distance < 2.0 * clearance && one.normal.dot(&other.normal) < SHARP
+}
+
+/// Changes the velocity, m/s, of a particle between two skins that leave it no room, so that it goes along with both, to the
+/// middle between them and out of the fold; returns the velocity of the skins.
+fn between(surface: &Surface, places: [&Place; 2], velocity: &mut Vector3, friction: f64, step: f64) -> Vector3 {
+    let [one, other] = places;
+    let skin = (surface.velocity(one) + surface.velocity(other)) * 0.5;
+    // Facing skins have normals that differ by one at least.
+    let across = (one.normal - other.normal).normalize();
+    let missing = 0.5 * (other.distance - one.distance) / one.normal.dot(&across);
+    let wanted = (missing / step).clamp(-TO_MIDDLE, TO_MIDDLE);
+    let relative = *velocity - skin;
+    let speed_across = relative.dot(&across);
+    let along = relative - across * speed_across;
+    let speed = along.norm();
+    let grip = (friction * (wanted - speed_across).abs()).min(speed);
+    let mut along = if speed > 0.0 { along * (1.0 - grip / speed) } else { along };
+    let out = (one.normal + other.normal).try_normalize(PARALLEL).unwrap_or_else(Vector3::zeros);
+    along += out * (SQUEEZE * out.norm() - along.dot(&out)).max(0.0);
+    *velocity = skin + along + across * wanted;
+    skin
+}
+
+/// Two skins whose normals differ from opposite ones by less have no fold that opens to any side.
+const PARALLEL: f64 = 0.02;
 
 /// The most that is taken over, m: what is farther out does not touch.
 const MOST_EXTRA: f64 = 3e-3;
@@ -329,7 +442,21 @@ const FORGETTING: f64 = 0.02;
 const ON_TOP: f64 = 1e-5;
 
 impl Track {
-    /// The nearest place, if the particle can touch it within the step.
+    /// Takes back what of a velocity, m/s, leads into the skins.
+    #[inline]
+    fn hold(&self, velocity: &mut Vector3) {
+        let mut raise = |held: Option<(Vector3, f64)>| {
+            if let Some((normal, least)) = held {
+                *velocity += normal * (least - velocity.dot(&normal)).max(0.0);
+            }
+        };
+        raise(self.least[0]);
+        if self.least[1].is_some() {
+            self.least.into_iter().rev().for_each(raise);
+        }
+    }
+
+    /// The nearest place, and that of skin which faces it, if the particle can touch them within the step.
     fn follow(
         &mut self,
         surface: &Surface,
@@ -337,7 +464,7 @@ impl Track {
         velocity: Vector3,
         step: f64,
         clearance: f64,
-    ) -> Option<Place> {
+    ) -> Option<(Place, Option<Place>)> {
         self.slack -= (velocity.norm() + surface.largest_speed()) * step;
         self.age += 1;
         self.carried += 1;
@@ -345,31 +472,48 @@ impl Track {
         if self.slack > 0.0 || self.free {
             return None;
         }
-        let place = match self.place.filter(|_| self.age <= REMEMBERED) {
+        let (place, other) = match self.place.filter(|_| self.age <= REMEMBERED) {
             Some(place) if self.carried <= CARRIED && self.slid < SLID => {
-                return Some(surface.carried(position, &place));
+                let carried = |place: Place| surface.carried(position, &place);
+                return Some((carried(place), self.other.map(carried)));
             }
-            Some(place) => surface.refine(position, place.triangle),
+            Some(place) => {
+                let refined = |place: Place| surface.refine(position, place.triangle);
+                let place = refined(place);
+                (place, self.other.map(refined).filter(|other| Surface::face(&place, other)))
+            }
             None => {
                 self.age = 0;
                 match surface.nearest(position, REACH) {
-                    Some(place) => self.on_its_side(surface, position, place),
+                    Some(nearest) => {
+                        let place = self.on_its_side(surface, position, nearest);
+                        (place, across(surface, position, &place))
+                    }
                     None => {
-                        (self.place, self.slack, self.side) = (None, REACH - NEAR, NOWHERE);
+                        *self = Track { slack: REACH - NEAR, side: NOWHERE, extra: self.extra, ..Track::UNKNOWN };
                         return None;
                     }
                 }
             }
+        };
+        // Beyond the reach of one it may be in the other.
+        let (place, other) = match other.filter(|other| place.distance >= NEAR && other.distance < NEAR) {
+            Some(other) => (other, None),
+            None => (place, other),
         };
         (self.carried, self.slid) = (0, 0.0);
         if self.extra > 0.0 && surface.faces_another_way(&place, self.side) {
             // What it keeps was for another part of the body.
             self.extra = 0.0;
         }
-        self.place = (place.distance < NEAR).then_some(place);
+        let near = place.distance < NEAR;
+        self.place = near.then_some(place);
+        self.other = other.filter(|_| near);
+        self.pinched &= self.other.is_some();
         self.side = self.place.map_or(NOWHERE, |place| place.triangle);
-        self.slack = place.distance - clearance - self.extra - BAND;
-        (self.slack < (velocity.norm() + surface.largest_speed()) * step).then_some(place)
+        let nearer = other.map_or(place.distance, |other| place.distance.min(other.distance));
+        self.slack = nearer - clearance - self.extra - BAND;
+        (self.slack < (velocity.norm() + surface.largest_speed()) * step).then_some((place, other))
     }
 
     /// The nearest place, unless the particle would be inside the body there and lies well on a skin that faces this one:
@@ -384,9 +528,23 @@ impl Track {
     }
 }
 
+/// The place of skin that faces that at a place, where both are near to a particle, or where they pass through each other and
+/// it is between. The two sides of a thin limb look the same from there, but for how often the surface winds around it.
+fn across(surface: &Surface, position: Vector3, place: &Place) -> Option<Place> {
+    if place.distance >= NEAR {
+        return None;
+    }
+    let reach = if place.distance < 0.0 { OVERLAP } else { ACROSS };
+    let other = surface.nearest_facing(position, reach, place.normal)?;
+    let inside = [place, &other].into_iter().filter(|p| p.distance < 0.0).count() as i32;
+    let faces = place.distance + other.distance >= 0.0 || surface.winding_number(position) == inside;
+    (faces && Surface::face(place, &other)).then_some(other)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::shapes;
     use crate::dynamics::settings::BroadPhase;
 
     /// The top of a large flat box, y = 0.
@@ -417,7 +575,7 @@ mod tests {
             v[0].y -= GRAVITY * STEP;
             response.respond(surface, &x, &mut v, STEP);
             x[0] += v[0] * STEP;
-            response.put_back(surface, &mut x, &mut v);
+            response.put_back(surface, &mut x, &mut v, STEP);
             x[0]
         });
         path.collect()
@@ -488,11 +646,76 @@ mod tests {
                 response.respond(&surface, &x, &mut v, STEP);
                 x[0] += v[0] * STEP;
                 surface.advance(f64::from(s) / f64::from(steps));
-                response.put_back(&surface, &mut x, &mut v);
+                response.put_back(&surface, &mut x, &mut v, STEP);
             }
             let top = 0.03 * f64::from(k);
             assert!(x[0].y > top, "frame {k}: {} is below {top}", x[0].y);
         }
         assert!((x[0].y - 0.301).abs() < 2e-3 && (x[0].x - 0.1).abs() < 5e-3, "{}", x[0]);
+    }
+
+    /// Two boxes a metre wide, above and below y = 0, whose skins that face each other are this far apart, m; they overlap
+    /// where that is negative.
+    fn jaws(apart: f64) -> (Vec<Vector3>, Vec<[u32; 3]>) {
+        let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for (first, low) in [(0, -0.2 - 0.5 * apart), (8, 0.5 * apart)] {
+            let corner = |k: usize| {
+                let side = |bit: usize, size: f64| if k >> bit & 1 == 1 { size } else { 0.0 };
+                Vector3::new(side(0, 1.0) - 0.5, low + side(1, 0.2), side(2, 1.0) - 0.5)
+            };
+            positions.extend((0..8).map(corner));
+            triangles.extend(quads.iter().flat_map(|q| {
+                let [a, b, c, d] = q.map(|v| v + first);
+                [[a, b, c], [a, c, d]]
+            }));
+        }
+        (positions, triangles)
+    }
+
+    /// Cloth behind a knee that bends: with one contact only it was held on the skin of the one limb, deep in the other, or
+    /// torn between them.
+    #[test]
+    fn what_two_limbs_close_upon_is_let_be_between_them_and_clear_when_they_part() {
+        let (positions, triangles) = jaws(0.02);
+        let mut surface = Surface::new(&positions, &triangles, BroadPhase::Tree);
+        let mut response = Response::new(2, 0.001, 0.4, 0.0);
+        let (mut x, mut v) = ([Vector3::new(0.0, -0.008, 0.01), Vector3::new(0.1, 0.007, 0.0)], [Vector3::zeros(); 2]);
+        let (frame, steps) = (0.04, 40);
+        // They close, pass through each other by 10 mm, and part again.
+        let apart = [0.012, 0.004, -0.004, -0.01, -0.01, -0.004, 0.004, 0.012];
+        for (k, apart) in apart.into_iter().enumerate() {
+            let start = x;
+            surface.move_to(&jaws(apart).0, frame);
+            response.look_afresh();
+            for s in 1..=steps {
+                v.iter_mut().for_each(|v| v.y -= GRAVITY * STEP);
+                response.respond(&surface, &x, &mut v, STEP);
+                x.iter_mut().zip(&v).for_each(|(x, v)| *x += v * STEP);
+                surface.advance(f64::from(s) / f64::from(steps));
+                response.put_back(&surface, &mut x, &mut v, STEP);
+            }
+            let pinched = response.pinched();
+            for p in 0..2 {
+                assert!((x[p] - start[p]).norm() < 0.012, "frame {k} throws it from {} to {}", start[p], x[p]);
+                assert_eq!(pinched[p], apart < 0.002, "frame {k}, {} m apart", apart);
+                match pinched[p] {
+                    true => assert!(x[p].y.abs() < 1e-3, "frame {k}: {} is not in the middle", x[p]),
+                    false => assert!(x[p].y.abs() < 0.5 * apart, "frame {k}: {} is inside", x[p]),
+                }
+            }
+        }
+    }
+
+    /// A finger is no fold: its far side faces away from the near one as well.
+    #[test]
+    fn the_two_sides_of_a_thin_limb_are_no_fold() {
+        let (positions, triangles) = shapes::sphere(Vector3::zeros(), 0.004, 12);
+        let surface = Surface::new(&positions, &triangles, BroadPhase::Tree);
+        for distance in [0.0015, 0.0003] {
+            let point = Vector3::new(0.0, 0.004 + distance, 0.0003);
+            let place = surface.nearest(point, 0.1).unwrap();
+            assert!(place.distance > 0.0 && across(&surface, point, &place).is_none(), "{place:?}");
+        }
     }
 }

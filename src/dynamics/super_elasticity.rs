@@ -72,13 +72,25 @@ impl SuperElasticity {
 
     /// The largest strain of all edges.
     pub fn largest_strain(&self, positions: &[Vector3]) -> f64 {
-        let strain =
-            |e: &Limited| (positions[e.ends[0] as usize] - positions[e.ends[1] as usize]).norm() / e.rest - 1.0;
-        self.edges.par_iter().map(strain).reduce(|| f64::NEG_INFINITY, f64::max)
+        self.edges.par_iter().map(|e| e.strain(positions)).reduce(|| f64::NEG_INFINITY, f64::max)
     }
 
-    /// Changes velocities, m/s, so that no edge is beyond its limit after `step`, s; inertia in kg.
-    pub fn limit(&mut self, positions: &[Vector3], velocities: &mut [Vector3], inertia: &[f64], step: f64) {
+    /// The edge of the largest strain, by its ends, with the strain, if there is any edge.
+    pub fn most_stretched(&self, positions: &[Vector3]) -> Option<([u32; 2], f64)> {
+        let strains = self.edges.iter().map(|e| (e.ends, e.strain(positions)));
+        strains.reduce(|most, next| if next.1 > most.1 { next } else { most })
+    }
+
+    /// Changes velocities, m/s, so that no edge is beyond its limit after `step`, s; inertia in kg. `hold` takes back what
+    /// of a particle's velocity leads into the body: the edges around it then share what it cannot give.
+    pub fn limit(
+        &mut self,
+        positions: &[Vector3],
+        velocities: &mut [Vector3],
+        inertia: &[f64],
+        step: f64,
+        hold: impl Fn(usize, &mut Vector3),
+    ) {
         let Self { edges, limited: true, too_long } = self else { return };
         for _ in 0..MOST_LOOKS {
             // Few are too long; all others are only looked at, by all threads.
@@ -110,6 +122,7 @@ impl SuperElasticity {
                     let change = span * (OVER_RELAXATION * (length - allowed) / (length * step * (wa + wb)));
                     velocities[a] += change * wa;
                     velocities[b] -= change * wb;
+                    [a, b].into_iter().for_each(|p| hold(p, &mut velocities[p]));
                 }
                 if worst < TOLERANCE {
                     break;
@@ -125,6 +138,11 @@ impl Limited {
     fn after(&self, positions: &[Vector3], velocities: &[Vector3], step: f64) -> Vector3 {
         let [a, b] = self.ends.map(|p| p as usize);
         positions[b] - positions[a] + (velocities[b] - velocities[a]) * step
+    }
+
+    fn strain(&self, positions: &[Vector3]) -> f64 {
+        let [a, b] = self.ends.map(|p| positions[p as usize]);
+        (b - a).norm() / self.rest - 1.0
     }
 
     /// How long it may be after this step, m: what is too long already comes back slowly.

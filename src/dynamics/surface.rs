@@ -6,6 +6,7 @@
 use super::broad_phase::{Volumes, enclosing};
 use super::depth_maps::{Maps, Unsure};
 use super::settings::BroadPhase;
+use crate::body::winding_number;
 use crate::geometry::{BoxTree, Incidence, Vector3, closest_on_triangle};
 use rayon::prelude::*;
 use std::cell::Cell;
@@ -65,6 +66,8 @@ const ON_THE_SKIN: f64 = 1e-6;
 const SHARED: f64 = 1e-9;
 /// Cosine of the angle beyond which skin faces another way.
 const ANOTHER_WAY: f64 = 0.3;
+/// Cosine of the angle between their normals below which two skins face each other, as in a fold of less than a right angle.
+const FACING: f64 = 0.0;
 /// Triangles that a place is followed over in one step, at most: a particle moves by less than one.
 const LONGEST_WALK: usize = 16;
 
@@ -154,6 +157,36 @@ impl Surface {
         let (triangle, _) = self.search(point, reach, to);
         // A map may know of a place beyond the reach.
         triangle.map(|triangle| self.refine(point, triangle)).filter(|place| place.distance.abs() < reach)
+    }
+
+    /// The place nearest to a point, within `reach`, m, of skin that faces skin with this normal.
+    pub fn nearest_facing(&self, point: Vector3, reach: f64, normal: Vector3) -> Option<Place> {
+        let to = |t: u32| match self.normal(t).dot(&normal) < FACING {
+            true => (self.foot(t, point).1 - point).norm_squared(),
+            false => f64::INFINITY,
+        };
+        // No map knows which way skin faces.
+        let found = match &self.volumes {
+            Enclosures::Tree(tree) | Enclosures::Maps(_, tree) => tree.nearest(point, reach, to),
+            Enclosures::Parts(volumes) => volumes.nearest(point, reach, to),
+        };
+        // No walk to nearer neighbours: they face another way.
+        found.map(|(triangle, _)| self.place(point, triangle))
+    }
+
+    /// Do the skins at two places face each other?
+    pub fn face(one: &Place, other: &Place) -> bool {
+        one.normal.dot(&other.normal) < FACING
+    }
+
+    /// How often the surface winds around a point, where it is now: 0 outside, 1 inside, 2 where two parts overlap.
+    pub fn winding_number(&self, point: Vector3) -> i32 {
+        winding_number(point, |low, high, visit| match &self.volumes {
+            Enclosures::Tree(tree) | Enclosures::Maps(_, tree) => {
+                tree.for_each_meeting(low, high, |t| visit(self.corners(t)));
+            }
+            Enclosures::Parts(_) => (0..self.triangles.len() as u32).for_each(|t| visit(self.corners(t))),
+        })
     }
 
     /// The triangle that the search begins with to find [`Self::nearest`], and what that took.

@@ -21,8 +21,22 @@ pub struct FrameRecord {
     pub rms_speed: f64,
     /// Of any edge, as a share of its length.
     pub largest_stretch: f64,
+    /// Where that edge is, at the end.
+    #[serde(default)]
+    pub most_stretched: Option<Spot>,
+    /// Particles between two skins of the body that leave them no room, at the end.
+    #[serde(default)]
+    pub particles_pinched: usize,
     /// What follows was measured exactly at the end of the frame, if it was asked for.
     pub measured: Option<Measured>,
+}
+
+/// A place on a garment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spot {
+    pub panel: String,
+    /// m, world.
+    pub at: [f64; 3],
 }
 
 /// How the cloth found its balance before the body moved.
@@ -41,6 +55,9 @@ pub struct Measured {
     pub particles_inside: usize,
     /// Of the deepest particle inside the body, mm.
     pub deepest_mm: f64,
+    /// The same without those that are pinched.
+    #[serde(default)]
+    pub deepest_with_room_mm: f64,
     pub body_intersections: usize,
     pub cloth_intersections: usize,
 }
@@ -72,7 +89,9 @@ pub struct Totals {
     pub evaluations: usize,
     pub largest_speed: f64,
     pub largest_stretch: f64,
+    pub most_particles_pinched: usize,
     pub deepest_mm: Option<f64>,
+    pub deepest_with_room_mm: Option<f64>,
     pub most_body_intersections: Option<usize>,
     pub most_cloth_intersections: Option<usize>,
 }
@@ -87,7 +106,9 @@ impl Totals {
             evaluations: frames.iter().map(|f| f.evaluations).sum(),
             largest_speed: largest(&mut frames.iter().map(|f| f.largest_speed)),
             largest_stretch: largest(&mut frames.iter().map(|f| f.largest_stretch)),
+            most_particles_pinched: frames.iter().map(|f| f.particles_pinched).max().unwrap_or(0),
             deepest_mm: measured().map(|m| m.deepest_mm).reduce(f64::max),
+            deepest_with_room_mm: measured().map(|m| m.deepest_with_room_mm).reduce(f64::max),
             most_body_intersections: measured().map(|m| m.body_intersections).max(),
             most_cloth_intersections: measured().map(|m| m.cloth_intersections).max(),
         }
