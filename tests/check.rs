@@ -97,7 +97,20 @@ fn a_fit_shows_the_same_findings_and_keeps_them() {
     let folder = bench();
     let pattern = changed(|file| file["properties"]["units_in_meter"] = Value::Null);
     std::fs::write(folder.path().join("unit.json"), pattern).unwrap();
-    let fit = ["fit", "unit.json", "--body", "body.obj", "--out", "out", "--resolution", "40 mm", "--fabric", "fleece"];
+    let fit = [
+        "fit",
+        "unit.json",
+        "--body",
+        "body.obj",
+        "--out",
+        "out",
+        "--resolution",
+        "40 mm",
+        "--fabric",
+        "fleece",
+        "--clearance",
+        "0.7 mm",
+    ];
     let output = toile(&fit, folder.path());
     let told = String::from_utf8_lossy(&output.stderr);
     for code in ["warning[TOILE-P003]: ", "warning[TOILE-F003]: "] {
