@@ -59,6 +59,11 @@ impl Lbfgs {
         }
     }
 
+    /// Steps that it remembers at most.
+    pub fn memory(&self) -> usize {
+        self.most
+    }
+
     /// Lowers `problem` from `points`, in place; like
     /// [`ConjugateGradient::run`](super::ConjugateGradient::run), but that `restart_after` has no meaning here.
     pub fn run(

@@ -53,6 +53,16 @@ impl Minimizer {
         Self { working: Working::Lbfgs(Lbfgs::with_memory(point_count, memory)), curvatures: 0 }
     }
 
+    /// Forgets all, and works on so many points from now on; on none it needs no memory.
+    pub fn resize(&mut self, point_count: usize) {
+        self.working = match &self.working {
+            Working::ConjugateGradient(_) => Working::ConjugateGradient(ConjugateGradient::new(point_count)),
+            Working::Lbfgs(minimizer) => Working::Lbfgs(Lbfgs::with_memory(point_count, minimizer.memory())),
+            Working::DynamicRelaxation(_) => Working::DynamicRelaxation(DynamicRelaxation::new(point_count)),
+            Working::ArgminLbfgs(_) => Working::ArgminLbfgs(ArgminLbfgs::new(point_count)),
+        };
+    }
+
     /// Curvatures asked of problems in all runs so far. They are no evaluations, but cost about half of one.
     pub fn curvatures(&self) -> usize {
         self.curvatures

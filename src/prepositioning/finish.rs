@@ -148,12 +148,17 @@ pub fn part_crossings(
     let cloth = &scene.garment.levels[level];
     let steps = Steps { evaluations: EVALUATIONS_PER_MENDING, ..scene.settings.steps(cloth) };
     let (mut neighbours, mut evaluations) = (None, 0);
+    // The search needs a tenth of all memory, and is nearly always the end.
+    minimizer.resize(0);
     for _ in 0..MOST_MENDINGS {
         let mut crossings = ClothCrossings::new(cloth, positions);
         if crossings.pairs().is_empty() {
             break;
         }
-        let neighbours = neighbours.get_or_insert_with(|| Neighbours::of(cloth));
+        let neighbours = neighbours.get_or_insert_with(|| {
+            minimizer.resize(positions.len());
+            Neighbours::of(cloth)
+        });
         smooth(cloth, neighbours, &mut crossings, positions);
         // What is near, and on which side, is another thing now.
         problem.cloth.rebuild(positions);
