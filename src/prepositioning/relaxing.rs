@@ -311,8 +311,9 @@ pub fn problem<'a, 'w>(
     let (settings, cloth) = (scene.settings, &scene.garment.levels[level]);
     let mut energy = Energy::new(cloth, scene.cut, settings.model);
     energy.holds.extend(waists.into_iter().filter_map(|waist| waist.hold(scene, level, positions)));
+    let finest = level + 1 == scene.garment.levels.len();
     let contact = BodyContactSettings {
-        clearance: settings.clearance,
+        clearance: if finest { settings.clearance } else { settings.coarse_clearance() },
         stiffness: scene.fabric.contact_stiffness(),
         friction: 0.0,
     };

@@ -91,7 +91,7 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
     }
     for step in 1..=GROWING_STEPS {
         let thin = SHRINKAGE * (1.0 - step as f64 / GROWING_STEPS as f64);
-        problem.body.settings.clearance = settings.clearance - thin;
+        problem.body.settings.clearance = settings.coarse_clearance() - thin;
         let mut gain = Gain::default();
         evaluations += minimizer.run(&mut problem, &mut positions, &steps, |iterate| gain.is_little(iterate)).2;
     }
@@ -181,7 +181,7 @@ fn problem<'a>(scene: &Scene<'a>, positions: &[Vector3]) -> Relaxation<'a> {
     energy.gravity = 0.0;
     energy.holds = holds(scene.pattern, open, positions);
     let contact = BodyContactSettings {
-        clearance: settings.clearance - SHRINKAGE,
+        clearance: settings.coarse_clearance() - SHRINKAGE,
         stiffness: scene.fabric.contact_stiffness().max(LEAST_CONTACT_STIFFNESS),
         friction: 0.0,
     };
