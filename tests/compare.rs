@@ -67,8 +67,8 @@ fn the_schedule_and_its_rivals_are_measured_on_the_same_problem() {
         let weighed = |part: &Value| part["evaluations"].as_f64().unwrap() * particles(part) / particles(finest);
         let sum: f64 = levels.iter().map(weighed).sum::<f64>() + weighed(&run["sewing"]);
         assert!((run["fine_equivalent"].as_f64().unwrap() / sum - 1.0).abs() < 1e-9);
-        // The cap is the rivals'. The end of the level, which clears the body, may go on for a few.
-        assert!(k == 0 || finest["evaluations"].as_u64().unwrap() <= 120 + 180);
+        // The cap is the rivals'. The end of the level, which clears the body in rounds of 15, may go on for a few.
+        assert!(k == 0 || finest["evaluations"].as_u64().unwrap() <= 120 + 360);
         assert!(run["curve"]["energy_j"].as_array().unwrap().len() > 5);
         assert!(!run["strain"]["p99"].as_array().unwrap().is_empty());
         assert!(run["end"]["energy_gap_j"].as_f64().unwrap() >= 0.0);
