@@ -23,7 +23,7 @@ pub enum FinishLine {
 pub struct Settings {
     /// Of the levels, coarsest first.
     pub resolutions: Vec<f64>,
-    /// Distance to be kept from the body.
+    /// Distance to be kept from the body by the middle of the cloth; [`resting_clearance`] is that of cloth on skin.
     pub clearance: f64,
     pub model: Model,
     /// For closing the seams and for all levels.
