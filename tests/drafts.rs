@@ -61,6 +61,62 @@ fn drafts_are_sewn_as_their_files_say_and_most_of_it_is_proposed() {
     }
 }
 
+/// A drawing of the shared files sewn as it is proposed to be, and the proposals.
+fn sewn_as_proposed(dxf: &str) -> Option<(Pattern, Vec<SeamPlan>)> {
+    let bytes = std::fs::read(support::shared_data()?.join("patterns/dxf").join(dxf)).unwrap();
+    let (pattern, _) = pattern_file::open(&bytes, dxf, &Default::default()).unwrap();
+    let proposed = seams_toml::write_suggestions(&suggest(&pattern), &pattern);
+    let plans = seams_toml::parse(&proposed, &pattern).unwrap();
+    Some((seams_toml::sew(&pattern, &proposed).unwrap().pattern, plans))
+}
+
+/// The tee's backs are drawn as one sees them through the front: right fronts were sewn to left backs, and the sleeves found no
+/// armholes.
+#[test]
+fn a_tee_whose_backs_are_drawn_from_inside_is_sewn_side_to_side() {
+    let Some((sewn, plans)) = sewn_as_proposed("gc_tee_aama_clo_mm.dxf") else { return };
+    let text = std::fs::read(support::shared_data().unwrap().join("patterns/garmentcode/tee.json")).unwrap();
+    let (tee, _) = pattern_file::open(&text, "tee", &Default::default()).unwrap();
+    // The same panels are sewn together, whatever their order and the spelling of their names; the back of a sleeve reaches over the
+    // shoulder in the original.
+    let pairs = |pattern: &Pattern| {
+        let name = |id: SegmentId| pattern.panels[id.panel].name.to_lowercase();
+        let mut pairs: Vec<[String; 2]> = pattern.seams.iter().map(|seam| seam.sides.map(name)).collect();
+        pairs.iter_mut().for_each(|pair| pair.sort());
+        pairs.sort();
+        pairs.retain(|[a, b]| !(a.ends_with("ftorso") && b.ends_with("sleeve_b")));
+        pairs
+    };
+    assert_eq!(pairs(&sewn), pairs(&tee));
+    assert_eq!(plans.len(), 12, "{plans:?}");
+    let backs = sewn.panels.iter().filter(|panel| panel.signed_area() < 0.0).map(|panel| &panel.name[..]);
+    assert!(
+        backs.clone().count() == 4 && backs.clone().all(|name| name.contains("_B")),
+        "{:?}",
+        backs.collect::<Vec<_>>()
+    );
+}
+
+/// The band of the skirt was placed anyhow, as what goes all around faces nowhere, and the edges of its vent pulled the backs to
+/// the sides.
+#[test]
+fn a_skirt_with_a_vent_has_its_band_closed_behind() {
+    let (Some((mut sewn, _)), Some(body)) = (sewn_as_proposed("penelope_astm_accumark_inch.dxf"), body("female_apose"))
+    else {
+        return;
+    };
+    let marks = Landmarks::find(&body).unwrap();
+    let none = vec![None; sewn.panels.len()];
+    let report = place(&mut sewn, &body, &marks, &none).unwrap();
+    for (panel, placed) in sewn.panels.iter().zip(&report.panels) {
+        match panel.name.split(' ').nth(1) {
+            Some("BACK") => assert!(placed.face.z < 0.5, "{} faces {}", panel.name, placed.face),
+            _ => assert!(placed.face.z > 0.9, "{} faces {}", panel.name, placed.face),
+        }
+    }
+    assert!(report.mean_gap < 0.25, "{}", report.mean_gap);
+}
+
 #[test]
 fn drafts_find_their_places_outside_the_body() {
     for (name, size, body_name, _) in DRAFTS {

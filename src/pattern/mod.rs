@@ -7,7 +7,9 @@
 mod check;
 mod curve;
 mod fabric;
+mod inside;
 mod motion;
+mod names;
 mod path;
 pub mod sewing;
 #[cfg(test)]

@@ -109,32 +109,54 @@ fn tube(surface: &Surface, hints: &[Hints], figure: &Figure, [top, hem]: [usize;
     let distances = surface.distances(upper.indices());
     let way = lower.indices().map(|p| distances[p as usize]).fold(f64::INFINITY, f64::min).max(SHORTEST_WAY);
     let base = figure.waist_for(upper.length);
-    let circle = |rim: &Rim, height: f64, sense: f64, phase: f64| {
+    let around_top: Vec<f64> = upper.particles.iter().map(|(_, along)| along / upper.length).collect();
+    let around_hem = around(lower, &distances);
+    let circle = |rim: &Rim, around: &[f64], height: f64, sense: f64, phase: f64| {
         let radius = rim.length / TAU;
-        let pin = |&(p, along): &(u32, f64)| {
-            let (sin, cos) = (phase + sense * TAU * along / rim.length).sin_cos();
+        let pin = |(&(p, _), share): (&(u32, f64), &f64)| {
+            let (sin, cos) = (phase + sense * TAU * share).sin_cos();
             // One of many in one place pulls as all do together.
             let place = Vector3::new(figure.middle + radius * cos, height, radius * sin);
             Pin { particles: vec![p], place, axes: Vector3::repeat(1.0) }
         };
-        rim.particles.iter().map(pin).collect::<Vec<_>>()
+        rim.particles.iter().zip(around).map(pin).collect::<Vec<_>>()
     };
     // Seen from outside the cloth is at the left hand: at the front one walks an upper rim towards the body's right, a lower one
     // towards its left. Angles go from the left, +x, over the front, +z.
     let near: Vec<bool> = distances.iter().map(|&d| d < way).collect();
-    let unturned = harmonic(surface, &circle(upper, base, 1.0, 0.0));
+    let unturned = harmonic(surface, &circle(upper, &around_top, base, 1.0, 0.0));
     let phase = phase(surface, hints, figure, upper, &unturned, &near);
-    let mut pins = circle(upper, base, 1.0, phase);
+    let mut pins = circle(upper, &around_top, base, 1.0, phase);
     let free = harmonic(surface, &pins);
     let (mut sin, mut cos) = (0.0, 0.0);
-    for &(p, along) in &lower.particles {
+    for (&(p, _), share) in lower.particles.iter().zip(&around_hem) {
         let at = free[p as usize];
-        let off = at.z.atan2(at.x - figure.middle) + TAU * along / lower.length;
+        let off = at.z.atan2(at.x - figure.middle) + TAU * share;
         let weight = (at.x - figure.middle).hypot(at.z);
         (sin, cos) = (sin + weight * off.sin(), cos + weight * off.cos());
     }
-    pins.extend(circle(lower, base - way, -1.0, sin.atan2(cos)));
+    pins.extend(circle(lower, &around_hem, base - way, -1.0, sin.atan2(cos)));
     harmonic(surface, &pins)
+}
+
+/// How far around a tube each particle of its lower rim is, as a share of once around, from the first: what of the rim's length
+/// leads towards the upper rim or away from it, along the edges of vents and slits, does not lead around. `distances` are those
+/// from the upper rim, m.
+fn around(rim: &Rim, distances: &[f64]) -> Vec<f64> {
+    let count = rim.particles.len();
+    let mut at = 0.0;
+    let starts = (0..count).map(|k| {
+        let start = at;
+        let (p, from) = rim.particles[k];
+        let (q, to) = if k + 1 < count { rim.particles[k + 1] } else { (rim.particles[0].0, rim.length) };
+        let (length, away) = (to - from, distances[q as usize] - distances[p as usize]);
+        at += (length * length - away * away).max(0.0).sqrt();
+        start
+    });
+    let starts: Vec<f64> = starts.collect();
+    // A rim that leads nowhere around is no rim of a tube.
+    let whole = if at > 0.0 { at } else { f64::INFINITY };
+    starts.into_iter().map(|start| start / whole).collect()
 }
 
 /// The angle of the first particle of the upper rim: as the names have it, or so that panels lie in front and behind.
@@ -291,4 +313,21 @@ pub fn look(surface: &Surface, panel: usize, places: &[Vector3]) -> Look {
         middle += (a + b + c) * (rest / 3.0);
     }
     Look { normal, area, rest_area, middle: middle / rest_area.max(1e-12) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vent_leads_nowhere_around_a_hem() {
+        // Around for 0.3 m, up and down a slit of 0.2 m, around for 0.1 m; the upper rim is half a metre above the hem.
+        let along = [0.0, 0.1, 0.2, 0.3, 0.5, 0.7];
+        let particles = along.iter().enumerate().map(|(p, &along)| (p as u32, along)).collect();
+        let rim = Rim { particles, length: 0.8, panels: Vec::new(), piece: 0 };
+        let shares = around(&rim, &[0.5, 0.5, 0.5, 0.5, 0.3, 0.5]);
+        for (share, wanted) in shares.iter().zip([0.0, 0.25, 0.5, 0.75, 0.75, 0.75]) {
+            assert!((share - wanted).abs() < 1e-12, "{shares:?}");
+        }
+    }
 }

@@ -7,7 +7,7 @@ use super::rims::Opening;
 use super::surface::Surface;
 use super::{Limb, Override};
 use crate::geometry::{Vector2, Vector3};
-use crate::pattern::{Bend, Pattern};
+use crate::pattern::{Bend, Pattern, Seam};
 use nalgebra::{Matrix3, Rotation3, Unit};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -210,14 +210,28 @@ impl Standing<'_> {
         (low + high) * 0.5
     }
 
-    /// A seam of the panel with itself that is no dart: its sides do not meet in a corner.
     fn closes_on_itself(&self, panel: usize) -> bool {
+        self.closing_seams(panel).next().is_some()
+    }
+
+    /// Seams of a panel with itself that are no darts: their sides do not meet in a corner.
+    fn closing_seams(&self, panel: usize) -> impl Iterator<Item = &Seam> {
         let count = self.pattern.panels[panel].segments.len();
-        self.pattern.seams.iter().any(|seam| {
+        self.pattern.seams.iter().filter(move |seam| {
             let [a, b] = seam.sides;
             let apart = a.segment.abs_diff(b.segment);
             a.panel == panel && b.panel == panel && apart > 1 && apart + 1 < count
         })
+    }
+
+    /// The level way from the seam that closes a panel around the torso to the other side, where its middle is; none without one.
+    fn away_from_closing(&self, panel: usize, draft: &Draft) -> Option<Vector3> {
+        let level = &self.surface.level;
+        let closing = self.closing_seams(panel).flat_map(|seam| seam.sides);
+        let points = closing.flat_map(|side| level.segments[side.panel][side.segment].iter());
+        let axis = Vector3::new(self.figure.middle, 0.0, 0.0);
+        let off = points.map(|&p| draft.places[level.particle_of[p as usize] as usize] - axis).sum::<Vector3>();
+        Vector3::new(-off.x, 0.0, -off.z).try_normalize(1e-9)
     }
 
     fn axis(&self, limb: Limb, look: &Look) -> Axis {
@@ -258,7 +272,8 @@ impl Standing<'_> {
             Limb::Arm(_) | Limb::Leg(_) => front(hint.front.unwrap_or(look.normal.z)),
             Limb::Torso if draft.is_tube => {
                 let flat = Vector3::new(look.normal.x, 0.0, look.normal.z).try_normalize(1e-9);
-                let flat = if is_bent { hint.front.map(front).or(flat) } else { flat }.unwrap_or_else(Vector3::z);
+                let bent = || hint.front.map(front).or_else(|| self.away_from_closing(panel, draft));
+                let flat = if is_bent { bent().or(flat) } else { flat }.unwrap_or_else(Vector3::z);
                 let angle = flat.x.atan2(flat.z);
                 let square = (angle / FRAC_PI_2).round() * FRAC_PI_2;
                 let angle = if (angle - square).abs() < SQUARE { square } else { angle };

@@ -11,6 +11,7 @@
 use super::evidence::{SidePath, Travelled, cost};
 use super::{Measured, SeamPlan, Stretch};
 use crate::geometry::UnionFind;
+use crate::pattern::inside::shown_from_inside;
 use crate::pattern::{Pattern, Sense};
 use crate::{Code, Warning};
 use std::collections::BTreeMap;
@@ -45,7 +46,7 @@ impl Directions {
 const LOST_CORNER: f64 = 1.0;
 /// What contradicting a stated direction costs: more than everything else.
 const STATED: f64 = 1000.0;
-/// What turning a panel over costs: panels are drawn right side up, unless much speaks against it.
+/// What turning a panel over costs: panels are drawn right side up, unless names or much else speak against it.
 const TURNED: f64 = 0.3;
 /// Of as many bits all choices are tried.
 const MOST_BITS_TRIED: usize = 11;
@@ -96,6 +97,8 @@ struct Problem<'a> {
     pattern: &'a Pattern,
     plans: &'a [SeamPlan],
     measured: &'a Measured,
+    /// Per panel: do names say that its wrong side is drawn?
+    from_inside: Vec<bool>,
     /// Per plan: its ways by the turns of its stretches' panels and its own bit.
     ways: Vec<BTreeMap<u64, Way>>,
     /// Per panel: number of its first corner.
@@ -117,7 +120,8 @@ impl<'a> Problem<'a> {
             (corners - panel.segments.len()) as u32
         });
         let first_corner = first_corner.collect();
-        Self { pattern, plans, measured, ways: vec![BTreeMap::new(); plans.len()], first_corner, corners }
+        let from_inside = shown_from_inside(pattern);
+        Self { pattern, plans, measured, from_inside, ways: vec![BTreeMap::new(); plans.len()], first_corner, corners }
     }
 
     fn components(&self) -> Vec<Component> {
@@ -226,7 +230,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        let turned = component.panels.iter().filter(|&&panel| bits[panel]).count();
+        let turned = component.panels.iter().filter(|&&panel| bits[panel] != self.from_inside[panel]).count();
         // All turned is none turned.
         let turned = turned.min(component.panels.len() - turned);
         sum + LOST_CORNER * f64::from(lost) + TURNED * turned as f64
@@ -329,7 +333,7 @@ impl<'a> Problem<'a> {
     /// places, or else as many as possible are as drawn.
     fn choose_outside(&mut self, component: &Component, bits: &mut [bool]) {
         let panels = || component.panels.iter().map(|&p| (p, &self.pattern.panels[p]));
-        let sign = |panel: usize| if bits[panel] { -1.0 } else { 1.0 };
+        let sign = |panel: usize| if bits[panel] != self.from_inside[panel] { -1.0 } else { 1.0 };
         let facing: f64 = if panels().all(|(_, panel)| panel.placement.is_some()) {
             let center = |panel: &crate::pattern::Panel| {
                 let corners: Vec<_> = panel.corners().collect();

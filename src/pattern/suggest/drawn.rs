@@ -1,7 +1,7 @@
 //! What drawings say that have no place around a body: they stand upright, right side up, and are alike on both sides.
 
-use super::names::{Part, together};
 use super::score::{Edges, Scored};
+use crate::pattern::names::{Part, together};
 
 /// A seam in the middle of front or back leans by less: the outside of its edges points aside by at least this share.
 const UPRIGHT: f64 = 0.7;

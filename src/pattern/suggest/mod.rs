@@ -10,7 +10,6 @@
 //! several edges (`rims`). What would make a bag of a part of the garment is given up again (`openings`).
 
 mod drawn;
-mod names;
 mod openings;
 mod rims;
 mod score;
@@ -18,6 +17,7 @@ mod symmetry;
 
 use crate::geometry::UnionFind;
 use crate::pattern::Pattern;
+use crate::pattern::inside::shown_from_inside;
 use crate::pattern::sewing::{SeamPlan, Stretch};
 use score::{Edges, Scored};
 
@@ -40,7 +40,9 @@ const MOST_SEGMENTS: usize = 3000;
 
 /// Seams for the pattern's panels, whatever seams it has; the most certain first.
 pub fn suggest(pattern: &Pattern) -> Vec<Suggestion> {
-    let mut edges = Edges::new(pattern);
+    let from_inside = shown_from_inside(pattern);
+    let seen = pattern.turned_over(&from_inside);
+    let mut edges = Edges::new(&seen);
     if edges.ids.len() > MOST_SEGMENTS {
         return Vec::new();
     }
@@ -62,8 +64,9 @@ pub fn suggest(pattern: &Pattern) -> Vec<Suggestion> {
     let Sewing { taken, sewn_to, .. } = sewing;
     turned.into_iter().for_each(|turned| edges.turn_over(turned));
     let suggestion = |sides: [Vec<usize>; 2], score: f64, reasons: &[String]| {
-        let stretches = |side: &Vec<usize>| side.iter().map(|&e| Stretch::whole(edges.ids[e])).collect::<Vec<_>>();
-        let name = |&e: &usize| format!("{}:{}", pattern.panels[edges.ids[e].panel].name, edges.ids[e].segment);
+        let id = |&e: &usize| seen.turned_segment(&from_inside, edges.ids[e]);
+        let stretches = |side: &Vec<usize>| side.iter().map(|e| Stretch::whole(id(e))).collect::<Vec<_>>();
+        let name = |e: &usize| format!("{}:{}", pattern.panels[id(e).panel].name, id(e).segment);
         let names = sides.each_ref().map(|side| side.iter().map(name).collect::<Vec<_>>().join(" and "));
         Suggestion {
             plan: SeamPlan {

@@ -6,9 +6,9 @@
 //! without its waistband. Of a bag the fewest seams that open it are given up, and of these the least certain: those of edges
 //! that could be sewn to another part as well. They are not proposed again, and their edges are free for something else.
 
-use super::names::Part;
 use super::score::Scored;
 use super::{LEAST, Sewing};
+use crate::pattern::names::Part;
 use crate::pattern::sewing::{Directions, SeamPlan, find_directions};
 use crate::pattern::surface::{Surface, pieces_of};
 use crate::pattern::{Pattern, Seam};

@@ -214,7 +214,7 @@ fn joined(edges: &Edges, rims: &[Rim], a: usize, b: usize) -> Run {
     for &e in &p.edges {
         for &f in &q.edges {
             let share = edges.length(e) * edges.length(f) / (p.length * q.length);
-            named += share * super::names::together(&edges.role(e), &edges.role(f));
+            named += share * crate::pattern::names::together(&edges.role(e), &edges.role(f));
         }
     }
     score += 0.8 * named;

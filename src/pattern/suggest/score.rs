@@ -2,9 +2,9 @@
 
 mod placed;
 
-use super::names::{Part, Role, role, together};
 use super::symmetry::Symmetry;
 use crate::geometry::{Vector2, Vector3};
+use crate::pattern::names::{Part, Role, role, together};
 use crate::pattern::sewing::Measured;
 use crate::pattern::sewing::evidence::corner_angle;
 use crate::pattern::{BodyPart, NotchKind, Pattern, SegmentId, SegmentLabel};
@@ -161,9 +161,9 @@ impl<'p> Edges<'p> {
         self.turned = turned;
     }
 
-    /// Does the outline of its panel run clockwise, right side up?
+    /// Does the outline of its panel run clockwise, seen with the right side up?
     pub fn is_clockwise(&self, edge: usize) -> bool {
-        (self.edges[edge].normal.z < 0.0) ^ self.turned[self.ids[edge].panel]
+        self.turned[self.ids[edge].panel]
     }
 
     /// Out of the panel across a segment, as drawn, seen with the right side up: what is left then is left.

@@ -1,8 +1,8 @@
 //! What speaks for and against a seam where panels have their places around the body.
 
-use super::super::names::Part;
 use super::{Edges, PROBES, Scored};
 use crate::geometry::Vector3;
+use crate::pattern::names::Part;
 
 impl Edges<'_> {
     /// Along the limb away from the torso's middle.
