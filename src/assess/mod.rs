@@ -56,6 +56,18 @@ pub struct Intersections {
 
 /// Measures the state `positions` of a level; `clearance` is what was asked for, m.
 pub fn assess(pattern: &Pattern, level: &Level, positions: &[Vector3], body: &Body, clearance: f64) -> Assessment {
+    assess_knowing(pattern, level, positions, body, clearance, false)
+}
+
+/// The same where it may be known already that no cloth crosses cloth: then that is not searched again.
+pub(crate) fn assess_knowing(
+    pattern: &Pattern,
+    level: &Level,
+    positions: &[Vector3],
+    body: &Body,
+    clearance: f64,
+    uncrossed: bool,
+) -> Assessment {
     let allowance = strain::gather_allowance(pattern, level);
     let strains = || {
         rayon::join(
@@ -64,7 +76,10 @@ pub fn assess(pattern: &Pattern, level: &Level, positions: &[Vector3], body: &Bo
         )
     };
     let contacts = || {
-        rayon::join(|| Clearance::of(level, positions, body, clearance), || Intersections::of(level, positions, body))
+        rayon::join(
+            || Clearance::of(level, positions, body, clearance),
+            || Intersections::knowing(level, positions, body, uncrossed),
+        )
     };
     let ((strain, strain_less_gathers), (clearance, intersections)) = rayon::join(strains, contacts);
     Assessment { strain, strain_less_gathers, seams: seam_gaps(level, positions), clearance, intersections }
@@ -83,8 +98,12 @@ fn seam_gaps(level: &Level, positions: &[Vector3]) -> SeamGaps {
 
 impl Intersections {
     pub fn of(level: &Level, positions: &[Vector3], body: &Body) -> Self {
-        let (with_body, with_cloth) =
-            rayon::join(|| body_intersections(level, positions, body), || cloth_intersections(level, positions));
+        Self::knowing(level, positions, body, false)
+    }
+
+    fn knowing(level: &Level, positions: &[Vector3], body: &Body, uncrossed: bool) -> Self {
+        let of_cloth = || if uncrossed { Vec::new() } else { cloth_intersections(level, positions) };
+        let (with_body, with_cloth) = rayon::join(|| body_intersections(level, positions, body), of_cloth);
         let panel_of = level.panel_of_triangle();
         let mut found = Self { body_pairs: with_body.len(), cloth_pairs: with_cloth.len(), ..Self::default() };
         for &[t, _] in &with_body {

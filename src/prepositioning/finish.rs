@@ -137,14 +137,14 @@ const MOST_PARTINGS: usize = 6;
 const STIFFENING: f64 = 3.0;
 
 /// Takes cloth out of cloth that slipped through it all the same, and out of the body what that pressed into it. Returns
-/// the evaluations that it took.
+/// the evaluations that it took, and whether nothing crosses now.
 pub fn part_crossings(
     scene: &Scene,
     level: usize,
     problem: &mut Relaxation,
     minimizer: &mut Minimizer,
     positions: &mut Vec<Vector3>,
-) -> usize {
+) -> (usize, bool) {
     let cloth = &scene.garment.levels[level];
     let steps = Steps { evaluations: EVALUATIONS_PER_MENDING, ..scene.settings.steps(cloth) };
     let (mut neighbours, mut evaluations) = (None, 0);
@@ -153,7 +153,7 @@ pub fn part_crossings(
     for _ in 0..MOST_MENDINGS {
         let mut crossings = ClothCrossings::new(cloth, positions);
         if crossings.pairs().is_empty() {
-            break;
+            return (evaluations, true);
         }
         let neighbours = neighbours.get_or_insert_with(|| {
             minimizer.resize(positions.len());
@@ -167,7 +167,7 @@ pub fn part_crossings(
         problem.body.correct(positions);
         evaluations += clear_body(scene, level, problem, minimizer, positions).evaluations;
     }
-    evaluations
+    (evaluations, false)
 }
 
 /// How often cloth that crosses cloth is smoothed and taken out of the body.

@@ -119,20 +119,26 @@ fn sew_and_relax(
         observer.event(&Event::TogetherStarted { garments: garments.len() });
     }
     let mut positions = clothes.positions;
-    let mut levels = Vec::new();
+    let (mut levels, mut uncrossed) = (Vec::new(), false);
     for level in 0..together.garment.levels.len() {
+        let mut crossing = None;
         if level > 0 {
-            positions = prolongation::prolong(&together.garment, level, &positions);
+            let prolonged = prolongation::prolong(&together.garment, level, &positions);
+            positions = prolonged.0;
+            crossing = Some(prolonged.1);
             if garments.len() > 1 {
                 bring_into_order((garments, &parts), (body, &field), settings, level, &mut positions);
+                crossing = None;
             }
         }
-        levels.push(relaxing::relax(&scene, level, &clothes.waists, &mut positions, observer));
+        let relaxed = relaxing::relax(&scene, level, &clothes.waists, crossing, &mut positions, observer);
+        levels.push(relaxed.0);
+        uncrossed = relaxed.1;
     }
     if garments.len() == 1 {
         parts.push(together.garment);
     }
-    Ok(take_apart(garments, parts, &positions, clothes.sewn, &levels, body, settings))
+    Ok(take_apart(garments, parts, &positions, clothes.sewn, &levels, uncrossed, body, settings))
 }
 
 /// Arranges the panels and closes their seams. Where that did not go well, as it does not for panels that start beside

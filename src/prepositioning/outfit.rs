@@ -11,7 +11,7 @@ use super::sewing::Sewn;
 use super::waist_line::Waist;
 use super::{Event, LevelSummary, Observer, Outcome, Scene, Settings, distance_field, sew};
 use crate::arrangement::Arrangement;
-use crate::assess::{Layers, assess, gather_allowance, tight_places};
+use crate::assess::{Layers, assess_knowing, gather_allowance, tight_places};
 use crate::body::{Body, DistanceField};
 use crate::garment::{Garment, Level, patterns_together};
 use crate::geometry::Vector3;
@@ -127,7 +127,7 @@ pub(super) fn sew_in_turn(
             // The next one is to find them as they lie.
             let inner = Together::new(&garments[..=k], built[..=k].to_vec());
             let scene = inner.scene(k + 1, body, field, settings);
-            sewn.evaluations += relax(&scene, 0, &clothes.waists, &mut clothes.positions, &mut ()).evaluations;
+            sewn.evaluations += relax(&scene, 0, &clothes.waists, None, &mut clothes.positions, &mut ()).0.evaluations;
         }
         clothes.sewn.push((arrangement, sewn));
     }
@@ -152,13 +152,14 @@ fn dress(body: &Body, garments: &[Garment], positions: &[Vector3]) -> Body {
     dressed.expect("what is dressed wears something")
 }
 
-/// Each garment's own part of what was done for all together.
+/// Each garment's own part of what was done for all together; `uncrossed` if no cloth is known to cross cloth.
 pub(super) fn take_apart(
     garments: &Garments,
     built: Vec<Garment>,
     positions: &[Vector3],
     sewn: Vec<(Arrangement, Sewn)>,
     levels: &[LevelSummary],
+    uncrossed: bool,
     body: &Body,
     settings: &Settings,
 ) -> Outfit {
@@ -174,14 +175,18 @@ pub(super) fn take_apart(
             triangles: level.triangles.len(),
             ..summary.clone()
         };
+        let (tight, assessment) = rayon::join(
+            || tight_places(level, own, &gather_allowance(pattern, level), fabric.stretch_limit),
+            || assess_knowing(pattern, level, own, body, settings.clearance, uncrossed),
+        );
         outcomes.push(Outcome {
             positions: own.to_vec(),
             shifts: arrangement.shifts,
             sewing_evaluations: sewn.evaluations,
             welded_gap: sewn.largest_gap,
             levels: levels.iter().zip(&garment.levels).map(counted).collect(),
-            tight: tight_places(level, own, &gather_allowance(pattern, level), fabric.stretch_limit),
-            assessment: assess(pattern, level, own, body, settings.clearance),
+            tight,
+            assessment,
             garment,
         });
         rest = others;

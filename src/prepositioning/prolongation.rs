@@ -14,14 +14,14 @@ use crate::geometry::Vector3;
 /// Rounds in which particles around what intersects are taken back, one ring more in each.
 const TAKING_BACK: usize = 3;
 
-/// Positions of level `level` from those of the level before it, m, world.
-pub fn prolong(garment: &Garment, level: usize, positions: &[Vector3]) -> Vec<Vector3> {
+/// Positions of level `level` from those of the level before it, m, world, and how many pairs of triangles cross there.
+pub fn prolong(garment: &Garment, level: usize, positions: &[Vector3]) -> (Vec<Vector3>, usize) {
     let (coarse, fine) = (&garment.levels[level - 1], &garment.levels[level]);
     let correspondence = &garment.correspondences[level - 1];
     let mut prolonged = correspondence.prolong(coarse, fine, positions);
     let mut crossings = ClothCrossings::new(fine, &prolonged);
     if crossings.pairs().is_empty() {
-        return prolonged;
+        return (prolonged, 0);
     }
     let neighbours = Neighbours::of(fine);
     let safe = correspondence.prolong_within(coarse, fine, positions);
@@ -30,9 +30,9 @@ pub fn prolong(garment: &Garment, level: usize, positions: &[Vector3]) -> Vec<Ve
         region.iter().for_each(|&p| prolonged[p as usize] = safe[p as usize]);
         crossings.update(&prolonged, &region);
         if crossings.pairs().is_empty() {
-            return prolonged;
+            return (prolonged, 0);
         }
     }
     smooth(fine, &neighbours, &mut crossings, &mut prolonged);
-    prolonged
+    (prolonged, crossings.pairs().len())
 }

@@ -33,14 +33,16 @@ const BEST_PACE: f64 = 2.0;
 /// smoothed by the hand before it is left to itself.
 const SLIDING: f64 = 0.75;
 
-/// Relaxes a level in place.
+/// Relaxes a level in place; `crossing` tells how many pairs of triangles cross at its start, where that is known. Also
+/// returns whether it is known that none crosses at its end.
 pub fn relax(
     scene: &Scene,
     level: usize,
     waists: &[Waist],
+    crossing: Option<usize>,
     positions: &mut Vec<Vector3>,
     observer: &mut dyn Observer,
-) -> LevelSummary {
+) -> (LevelSummary, bool) {
     let cloth = &scene.garment.levels[level];
     let finest = level + 1 == scene.garment.levels.len();
     let budget = match (finest, scene.settings.until) {
@@ -49,8 +51,10 @@ pub fn relax(
         (true, FinishLine::Equilibrium) => scene.settings.equilibrium_evaluations,
     };
     announce(scene, level, budget, observer);
-    let (starting_intersections, mut problem) =
-        rayon::join(|| cloth_intersections(cloth, positions).len(), || problem(scene, level, waists, positions));
+    let (starting_intersections, mut problem) = rayon::join(
+        || crossing.unwrap_or_else(|| cloth_intersections(cloth, positions).len()),
+        || problem(scene, level, waists, positions),
+    );
     let mut run = Run::new(scene, cloth);
     let termination = if finest {
         settle(scene, level, &mut problem, &mut run, positions, budget, observer)
@@ -71,7 +75,7 @@ pub fn relax(
         curve: run.curve,
     };
     observer.event(&Event::LevelDone { level, summary: &summary, cloth, positions });
-    summary
+    (summary, run.uncrossed)
 }
 
 /// Relaxes the coarsest level of a garment that was sewn over others, which keep still, and takes it out of them. Returns
@@ -225,7 +229,9 @@ fn settle(
         run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
     }
     run.evaluations += finish::part_layers(scene, level, problem, &mut run.minimizer, positions);
-    run.evaluations += finish::part_crossings(scene, level, problem, &mut run.minimizer, positions);
+    let (evaluations, uncrossed) = finish::part_crossings(scene, level, problem, &mut run.minimizer, positions);
+    run.evaluations += evaluations;
+    run.uncrossed = uncrossed;
     match (balanced(problem, positions) || settled, stalled > MOST_STALLS) {
         (true, _) => Termination::Converged,
         (false, true) => Termination::Stalled,
@@ -336,6 +342,8 @@ struct Run {
     least_fall: f64,
     /// When it was last measured.
     strain: Option<Strain>,
+    /// No cloth crosses cloth any more, as the last look has found.
+    uncrossed: bool,
     curve: Vec<CurvePoint>,
 }
 
@@ -350,6 +358,7 @@ impl Run {
             fallen: f64::INFINITY,
             least_fall: f64::NEG_INFINITY,
             strain: None,
+            uncrossed: false,
             curve: Vec::new(),
         }
     }
