@@ -129,7 +129,8 @@ fn held_particles_are_clear_of_real_bodies() {
             (a + b + c) / 3.0 + (b - a).cross(&(c - a)).normalize() * (0.001 * (k as f64 * 0.77).sin())
         };
         let positions: Vec<Vector3> = (0..level.particle_count).map(near).collect();
-        let moves = contact.hold(&positions, &mut vec![f64::NEG_INFINITY; positions.len()]);
+        let mut moves = positions.clone();
+        contact.hold(&positions, &mut vec![f64::NEG_INFINITY; positions.len()], &mut moves);
         let distances = positions.iter().zip(&moves).map(|(p, m)| body.signed_distance(p + m));
         let too_near: Vec<f64> = distances.filter(|&d| d < settings.clearance - CLEARANCE_TOLERANCE).collect();
         let inside = too_near.iter().filter(|&&d| d < 0.0).count();

@@ -104,7 +104,8 @@ proptest! {
             .map(|k| (level.rest[k].x - 0.25, level.rest[k].y - 0.25, k))
             .map(|(x, z, k)| Vector3::new(0.3 * x, 0.305 + 0.25 * x.abs() + wave(k), z))
             .collect();
-        let moves = contact.hold(&positions, &mut vec![f64::NEG_INFINITY; positions.len()]);
+        let mut moves = positions.clone();
+        contact.hold(&positions, &mut vec![f64::NEG_INFINITY; positions.len()], &mut moves);
         positions.iter_mut().zip(&moves).for_each(|(p, m)| *p += m);
         for p in &positions {
             let distance = body.signed_distance(*p);

@@ -40,7 +40,8 @@ fn run(body: &Body, level: &Level) -> (Vec<u64>, usize) {
     let steps = Settings { evaluations: 12, largest_move: 0.002, restart_after: 50 };
     let (_, last, evaluations) =
         ConjugateGradient::new(positions.len()).run(&mut problem, &mut positions, &steps, |_| false);
-    let held = problem.body.hold(&positions, &mut vec![f64::NEG_INFINITY; positions.len()]);
+    let mut held = positions.clone();
+    problem.body.hold(&positions, &mut vec![f64::NEG_INFINITY; positions.len()], &mut held);
     let mut numbers = vec![value, curvature, last];
     numbers.extend([gradient, positions, held].iter().flat_map(|v| flattened(v)));
     (bits(&numbers), evaluations)

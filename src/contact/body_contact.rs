@@ -386,10 +386,10 @@ impl<'a> BodyContact<'a> {
         Some(if self.body.contains(point) { -distance } else { distance })
     }
 
-    /// Moves that take each particle that is nearer than its clearance, by more than a twentieth of a millimetre, out to
-    /// it, by exact distances; zero for the others. Particles that are known to be far enough away, by lower bounds of
-    /// their distances, m, are not measured; the bounds of the others become what is measured.
-    pub fn hold(&self, positions: &[Vector3], bounds: &mut [f64]) -> Vec<Vector3> {
+    /// `moves` become those that take each particle that is nearer than its clearance, by more than a twentieth of a
+    /// millimetre, out to it, by exact distances; zero for the others. Particles that are known to be far enough away, by lower
+    /// bounds of their distances, m, are not measured; the bounds of the others become what is measured.
+    pub fn hold(&self, positions: &[Vector3], bounds: &mut [f64], moves: &mut [Vector3]) {
         // A second round serves creases, where moving out of one side leads to the other.
         const ROUNDS: usize = 3;
         let moved = |((&position, extra), bound): ((&Vector3, &f64), &mut f64)| {
@@ -409,7 +409,8 @@ impl<'a> BodyContact<'a> {
             }
             held - position
         };
-        positions.par_iter().zip(&self.extra).zip(bounds).with_min_len(256).map(moved).collect()
+        let each = positions.par_iter().zip(&self.extra).zip(bounds).zip(moves).with_min_len(256);
+        each.for_each(|(particle, by)| *by = moved(particle));
     }
 
     /// Where a point that is nearer than `clearance` has to go.
@@ -543,7 +544,9 @@ mod tests {
         let mut contact = BodyContact::new(&body, &field, &level, settings(0.0));
         let unknown = vec![f64::NEG_INFINITY; positions.len()];
         let least = |contact: &BodyContact| {
-            let held = positions.iter().zip(contact.hold(&positions, &mut unknown.clone())).map(|(p, by)| p + by);
+            let mut moves = positions.clone();
+            contact.hold(&positions, &mut unknown.clone(), &mut moves);
+            let held = positions.iter().zip(moves).map(|(p, by)| p + by);
             held.map(|p| body.nearest(p, 1.0).unwrap().distance).fold(f64::INFINITY, f64::min)
         };
         let all = |by: f64| (0..positions.len() as u32).map(move |p| (p, by));
@@ -588,11 +591,12 @@ mod tests {
         let (body, field, level, mut positions) = scene();
         let contact = BodyContact::new(&body, &field, &level, settings(0.0));
         let mut bounds = vec![f64::NEG_INFINITY; positions.len()];
-        let moves = contact.hold(&positions, &mut bounds);
-        positions.iter_mut().zip(moves).for_each(|(p, by)| *p += by);
+        let mut moves = positions.clone();
+        contact.hold(&positions, &mut bounds, &mut moves);
+        positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
         assert!(positions.iter().all(|&p| body.signed_distance(p) > 0.003 - 1e-6));
         // Of those that were moved nothing is known but that they kept too little; of the others what was measured.
-        contact.hold(&positions, &mut bounds);
+        contact.hold(&positions, &mut bounds, &mut moves);
         for (&p, &bound) in positions.iter().zip(&bounds) {
             let distance = body.signed_distance(p);
             assert!(bound <= distance + 1e-12 && bound >= 0.003 - HOLD_TOLERANCE, "{bound} {distance}");

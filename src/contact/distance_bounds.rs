@@ -9,8 +9,8 @@ use rayon::prelude::*;
 pub struct DistanceBounds {
     /// Of particles outside the body; negative where nothing is known.
     pub particles: Vec<f64>,
-    /// Of triangles that do not cross the body.
-    pub triangles: Vec<f64>,
+    /// Of triangles that do not cross the body: there are twice as many, and a bound need not be sharp.
+    pub triangles: Vec<f32>,
     /// Where the bounds hold.
     places: Vec<Vector3>,
 }
@@ -23,7 +23,7 @@ impl DistanceBounds {
     pub fn unknown(level: &Level, positions: &[Vector3]) -> Self {
         Self {
             particles: vec![UNKNOWN; positions.len()],
-            triangles: vec![UNKNOWN; level.triangles.len()],
+            triangles: vec![f32::NEG_INFINITY; level.triangles.len()],
             places: positions.to_vec(),
         }
     }
@@ -43,9 +43,17 @@ impl DistanceBounds {
             })
             .collect();
         self.triangles.par_iter_mut().enumerate().with_min_len(PARTICLES_ALONE).for_each(|(t, bound)| {
-            *bound -= level.particles(t).map(|p| moves[p as usize]).into_iter().fold(0.0, f64::max);
+            let by = level.particles(t).map(|p| moves[p as usize]).into_iter().fold(0.0, f64::max);
+            if by > 0.0 {
+                *bound = below(f64::from(*bound) - by);
+            }
         });
     }
+}
+
+/// The next smaller single: of what is a bound nothing may be rounded up.
+pub fn below(bound: f64) -> f32 {
+    (bound as f32).next_down()
 }
 
 /// To a thread at least: what is done for each is cheap.
@@ -63,7 +71,7 @@ mod tests {
         let mut positions = vec![Vector3::zeros(); level.particle_count];
         let mut bounds = DistanceBounds::unknown(&level, &positions);
         bounds.particles.fill(0.01);
-        bounds.triangles.fill(0.01);
+        bounds.triangles.fill(below(0.01));
         let moved = level.particles(0)[1];
         positions[moved as usize].y += 0.004;
         bounds.follow(&level, &positions);
@@ -72,7 +80,9 @@ mod tests {
             assert_eq!(bound, if p as u32 == moved { 0.01 - 0.004 } else { 0.01 });
         }
         for (t, &bound) in bounds.triangles.iter().enumerate() {
-            assert_eq!(bound, if level.particles(t).contains(&moved) { 0.01 - 0.004 } else { 0.01 });
+            let (bound, wanted) =
+                (f64::from(bound), if level.particles(t).contains(&moved) { 0.01 - 0.004 } else { 0.01 });
+            assert!(bound <= wanted && bound > wanted - 1e-8, "{bound}");
         }
     }
 }

@@ -37,6 +37,11 @@ impl ConjugateGradient {
         Self { gradient: zeros(), direction: zeros(), trial: zeros(), trial_gradient: zeros() }
     }
 
+    /// What is first written in a run, and not read before.
+    pub fn spare(&mut self) -> &mut Vec<Vector3> {
+        &mut self.trial_gradient
+    }
+
     /// Lowers `problem` from `points`, in place. `done` is asked after each accepted step whether the
     /// goal is reached. Returns why the run ended, the last value, and the evaluations spent.
     pub fn run(

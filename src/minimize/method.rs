@@ -26,6 +26,8 @@ impl Method {
 pub struct Minimizer {
     working: Working,
     curvatures: usize,
+    /// Lent out between runs by those that have nothing to spare.
+    spare: Vec<Vector3>,
 }
 
 enum Working {
@@ -45,12 +47,13 @@ impl Minimizer {
             Method::DynamicRelaxation => Working::DynamicRelaxation(DynamicRelaxation::new(point_count)),
             Method::ArgminLbfgs => Working::ArgminLbfgs(ArgminLbfgs::new(point_count)),
         };
-        Self { working, curvatures: 0 }
+        Self { working, curvatures: 0, spare: Vec::new() }
     }
 
     /// L-BFGS that remembers so many steps.
     pub fn lbfgs(point_count: usize, memory: usize) -> Self {
-        Self { working: Working::Lbfgs(Lbfgs::with_memory(point_count, memory)), curvatures: 0 }
+        let working = Working::Lbfgs(Lbfgs::with_memory(point_count, memory));
+        Self { working, curvatures: 0, spare: Vec::new() }
     }
 
     /// Forgets all, and works on so many points from now on; on none it needs no memory.
@@ -61,6 +64,17 @@ impl Minimizer {
             Working::DynamicRelaxation(_) => Working::DynamicRelaxation(DynamicRelaxation::new(point_count)),
             Working::ArgminLbfgs(_) => Working::ArgminLbfgs(ArgminLbfgs::new(point_count)),
         };
+        self.spare = Vec::new();
+    }
+
+    /// Memory for so many points that no run needs before it begins, of any content.
+    pub fn spare(&mut self, point_count: usize) -> &mut [Vector3] {
+        let spare = match &mut self.working {
+            Working::ConjugateGradient(minimizer) => minimizer.spare(),
+            _ => &mut self.spare,
+        };
+        spare.resize(point_count, Vector3::zeros());
+        spare
     }
 
     /// Curvatures asked of problems in all runs so far. They are no evaluations, but cost about half of one.

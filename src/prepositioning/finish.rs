@@ -5,7 +5,7 @@ use super::Scene;
 use super::problem::Relaxation;
 use super::smoothing::{Neighbours, smooth};
 use crate::assess::{CLEARANCE_TOLERANCE, ClothCrossings, body_intersections, crossed, near_triangles};
-use crate::contact::{DistanceBounds, sag};
+use crate::contact::{DistanceBounds, below, sag};
 use crate::garment::Level;
 use crate::geometry::Vector3;
 use crate::minimize::{Minimizer, Problem, Settings as Steps};
@@ -52,7 +52,7 @@ pub fn clear_body(
     let mut bounds = DistanceBounds::unknown(cloth, positions);
     let mut clearing = Clearing::default();
     for round in 0..MOST_ROUNDS + LAST_ROUNDS {
-        clearing.moved |= hold(cloth, problem, &mut bounds, positions);
+        clearing.moved |= hold(cloth, problem, &mut bounds, minimizer, positions);
         let near = too_near(scene, level, &mut bounds, positions);
         if near.is_empty() {
             return clearing;
@@ -77,17 +77,17 @@ pub fn clear_body(
         problem.body.keep_farther(missing);
         problem.body.widen(pierced, widening);
         clearing.moved = true;
-        hold(cloth, problem, &mut bounds, positions);
+        hold(cloth, problem, &mut bounds, minimizer, positions);
         // Moving a few by a hair across the cloth stretches nothing that would have to be smoothed.
         if few || round >= MOST_ROUNDS {
             continue;
         }
         let steps = if gentle { &gentle_steps } else { &steps };
         clearing.evaluations += minimizer.run(problem, positions, steps, |_| false).2;
-        problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
+        problem.evaluate(positions, minimizer.spare(positions.len()));
         problem.body.correct(positions);
     }
-    hold(cloth, problem, &mut bounds, positions);
+    hold(cloth, problem, &mut bounds, minimizer, positions);
     clearing
 }
 
@@ -121,7 +121,7 @@ pub fn part_layers(
     let steps = Steps { evaluations: EVALUATIONS_PER_ROUND, ..scene.settings.steps(&scene.garment.levels[level]) };
     let mut evaluations = 0;
     for _ in 0..MOST_PARTINGS {
-        problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
+        problem.evaluate(positions, minimizer.spare(positions.len()));
         if problem.cloth.too_near(0.5 * scene.fabric.thickness) == 0 {
             break;
         }
@@ -163,7 +163,7 @@ pub fn part_crossings(
         // What is near, and on which side, is another thing now.
         problem.cloth.rebuild(positions);
         evaluations += minimizer.run(problem, positions, &steps, |_| false).2;
-        problem.evaluate(positions, &mut vec![Vector3::zeros(); positions.len()]);
+        problem.evaluate(positions, minimizer.spare(positions.len()));
         problem.body.correct(positions);
         evaluations += clear_body(scene, level, problem, minimizer, positions).evaluations;
     }
@@ -180,8 +180,8 @@ const EVALUATIONS_PER_MENDING: usize = 40;
 fn too_near(scene: &Scene, level: usize, bounds: &mut DistanceBounds, positions: &[Vector3]) -> Vec<(u32, f64)> {
     let cloth = &scene.garment.levels[level];
     let within = scene.settings.clearance - CLEARANCE_TOLERANCE;
-    let look = |(t, bound): (usize, &mut f64)| {
-        if *bound > within {
+    let look = |(t, bound): (usize, &mut f32)| {
+        if f64::from(*bound) > within {
             return None;
         }
         let corners = cloth.particles(t).map(|p| positions[p as usize]);
@@ -191,7 +191,7 @@ fn too_near(scene: &Scene, level: usize, bounds: &mut DistanceBounds, positions:
         let distance = if crosses { 0.0 } else { measured.unwrap_or(within + LOOKED_BEYOND) };
         // From outside nothing comes to what is hidden but through the skin; from inside it does.
         let outside = scene.field.distance(corners[0]) > 0.0;
-        *bound = if outside { distance } else { 0.0 };
+        *bound = if outside { below(distance) } else { 0.0 };
         (distance <= within).then_some((t as u32, distance))
     };
     bounds.follow(cloth, positions);
@@ -210,13 +210,20 @@ pub fn is_clear(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
 
 /// Moves particles out to their clearance, without passing through other cloth. Returns whether any
 /// was moved.
-fn hold(cloth: &Level, problem: &mut Relaxation, bounds: &mut DistanceBounds, positions: &mut [Vector3]) -> bool {
+fn hold(
+    cloth: &Level,
+    problem: &mut Relaxation,
+    bounds: &mut DistanceBounds,
+    minimizer: &mut Minimizer,
+    positions: &mut [Vector3],
+) -> bool {
     bounds.follow(cloth, positions);
-    let mut moves = problem.body.hold(positions, &mut bounds.particles);
+    let moves = minimizer.spare(positions.len());
+    problem.body.hold(positions, &mut bounds.particles, moves);
     if moves.iter().all(|by| *by == Vector3::zeros()) {
         return false;
     }
-    problem.cloth.limit(positions, &mut moves);
-    positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
+    problem.cloth.limit(positions, moves);
+    positions.iter_mut().zip(moves.iter()).for_each(|(p, by)| *p += by);
     moves.iter().any(|by| *by != Vector3::zeros())
 }

@@ -32,7 +32,7 @@ use crate::garment::Garment;
 use crate::geometry::Vector3;
 use crate::pattern::{Cut, Fabric, Pattern};
 use layering::bring_into_order;
-use outfit::{Together, sew_in_turn, take_apart};
+use outfit::{Relaxed, Together, sew_in_turn, take_apart};
 
 /// Side of a cell of the body's distance field near the skin, m: a third of a finger.
 const FIELD_CELL: f64 = 0.006;
@@ -118,27 +118,26 @@ fn sew_and_relax(
     if garments.len() > 1 {
         observer.event(&Event::TogetherStarted { garments: garments.len() });
     }
-    let mut positions = clothes.positions;
-    let (mut levels, mut uncrossed) = (Vec::new(), false);
+    let mut relaxed = Relaxed { positions: clothes.positions, levels: Vec::new(), uncrossed: false };
     for level in 0..together.garment.levels.len() {
         let mut crossing = None;
         if level > 0 {
-            let prolonged = prolongation::prolong(&together.garment, level, &positions);
-            positions = prolonged.0;
-            crossing = Some(prolonged.1);
+            let (prolonged, pairs) = prolongation::prolong(&together.garment, level, &relaxed.positions);
+            (relaxed.positions, crossing) = (prolonged, Some(pairs));
             if garments.len() > 1 {
-                bring_into_order((garments, &parts), (body, &field), settings, level, &mut positions);
+                bring_into_order((garments, &parts), (body, &field), settings, level, &mut relaxed.positions);
                 crossing = None;
             }
         }
-        let relaxed = relaxing::relax(&scene, level, &clothes.waists, crossing, &mut positions, observer);
-        levels.push(relaxed.0);
-        uncrossed = relaxed.1;
+        let positions = &mut relaxed.positions;
+        let (summary, uncrossed) = relaxing::relax(&scene, level, &clothes.waists, crossing, positions, observer);
+        relaxed.levels.push(summary);
+        relaxed.uncrossed = uncrossed;
     }
     if garments.len() == 1 {
         parts.push(together.garment);
     }
-    Ok(take_apart(garments, parts, &positions, clothes.sewn, &levels, uncrossed, body, settings))
+    Ok(take_apart(garments, parts, clothes.sewn, &relaxed, body, settings))
 }
 
 /// Arranges the panels and closes their seams. Where that did not go well, as it does not for panels that start beside

@@ -152,20 +152,28 @@ fn dress(body: &Body, garments: &[Garment], positions: &[Vector3]) -> Body {
     dressed.expect("what is dressed wears something")
 }
 
-/// Each garment's own part of what was done for all together; `uncrossed` if no cloth is known to cross cloth.
+/// What all garments together came to.
+pub(super) struct Relaxed {
+    /// Of the finest level, m, world.
+    pub positions: Vec<Vector3>,
+    pub levels: Vec<LevelSummary>,
+    /// No cloth crosses cloth, as far as that is known.
+    pub uncrossed: bool,
+}
+
+/// Each garment's own part of what was done for all together.
 pub(super) fn take_apart(
     garments: &Garments,
     built: Vec<Garment>,
-    positions: &[Vector3],
     sewn: Vec<(Arrangement, Sewn)>,
-    levels: &[LevelSummary],
-    uncrossed: bool,
+    relaxed: &Relaxed,
     body: &Body,
     settings: &Settings,
 ) -> Outfit {
+    let Relaxed { positions, levels, uncrossed } = relaxed;
     let finest = levels.len() - 1;
     let layers = layers(garments, &built, positions);
-    let mut rest = positions;
+    let mut rest = &positions[..];
     let mut outcomes = Vec::new();
     for ((&(pattern, fabric), garment), (arrangement, sewn)) in garments.iter().zip(built).zip(sewn) {
         let level = &garment.levels[finest];
@@ -177,7 +185,7 @@ pub(super) fn take_apart(
         };
         let (tight, assessment) = rayon::join(
             || tight_places(level, own, &gather_allowance(pattern, level), fabric.stretch_limit),
-            || assess_knowing(pattern, level, own, body, settings.clearance, uncrossed),
+            || assess_knowing(pattern, level, own, body, settings.clearance, *uncrossed),
         );
         outcomes.push(Outcome {
             positions: own.to_vec(),
