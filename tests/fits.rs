@@ -60,6 +60,30 @@ fn the_embedded_garments_are_ready_for_hand_off_and_stay_where_they_are_worn() {
 }
 
 /// Stitches once pulled harder than contact with soft cloth pushed: a jersey's sleeves closed through the arms.
+/// Sleeves that start on the wrong arms are too far from the right ones to be moved there: the garment is placed anew.
+#[test]
+fn exchanged_sleeves_are_worn_all_the_same() {
+    let mut pattern = pattern(embedded::TEE);
+    let start = |pattern: &Pattern, name: &str| {
+        let panel = pattern.panels.iter().find(|panel| panel.name == name).unwrap();
+        panel.placement
+    };
+    let places: Vec<_> = pattern.panels.iter().map(|panel| start(&pattern, &exchanged(&panel.name))).collect();
+    pattern.panels.iter_mut().zip(places).for_each(|(panel, place)| panel.placement = place);
+    let outcome = fitted(&pattern, &levels());
+    let failed: Vec<_> = hand_off(&outcome.assessment).into_iter().filter(|check| !check.passed).collect();
+    assert!(failed.is_empty(), "{failed:?}");
+    let farthest = outcome.shifts.iter().map(|shift| shift.norm()).fold(0.0, f64::max);
+    assert!(farthest > 0.3, "the sleeves went from arm to arm: {farthest}");
+}
+
+/// The name of a sleeve with its side exchanged; that of any other panel.
+fn exchanged(name: &str) -> String {
+    let sides = ["left", "right"];
+    let side = sides.iter().position(|side| name.contains("sleeve") && name.contains(side));
+    side.map_or(name.to_owned(), |k| name.replace(sides[k], sides[1 - k]))
+}
+
 #[test]
 fn the_seams_of_soft_cloth_close() {
     let fabric = Fabric::named("cotton_jersey").unwrap();

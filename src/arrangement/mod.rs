@@ -159,6 +159,19 @@ pub fn arrange(pattern: &Pattern, open: &Level, body: &Body, field: &DistanceFie
     Arrangement { positions, shifts }
 }
 
+impl Arrangement {
+    /// Counts the shifts of the panels of a level from where those of another arrangement are counted from.
+    pub fn since(&mut self, other: &Arrangement, open: &Level) {
+        for (k, range) in open.panels.iter().enumerate() {
+            let middle = |of: &Arrangement| {
+                let points = &of.positions[range.points.clone()];
+                points.iter().sum::<Vector3>() / points.len() as f64
+            };
+            self.shifts[k] = middle(self) - (middle(other) - other.shifts[k]);
+        }
+    }
+}
+
 struct Search<'a> {
     open: &'a Level,
     field: &'a DistanceField,

@@ -26,8 +26,9 @@ pub use settings::{COARSEST_LEVEL, FinishLine, Settings, resting_clearance};
 pub use waist_line::waist_line;
 
 use crate::Error;
+use crate::arrangement::placing::place;
 use crate::arrangement::{Arrangement, Care, SIGHT_MARGIN, arrange, check_placement};
-use crate::body::{Body, DistanceField};
+use crate::body::{Body, DistanceField, Landmarks};
 use crate::garment::Garment;
 use crate::geometry::Vector3;
 use crate::pattern::{Cut, Fabric, Pattern};
@@ -141,32 +142,54 @@ fn sew_and_relax(
 }
 
 /// Arranges the panels and closes their seams. Where that did not go well, as it does not for panels that start beside
-/// the limbs they are to enclose, it is tried once more with more care; the better one is taken.
+/// the limbs they are to enclose, it is tried once more with more care, and where a limb comes out of the cloth all the same or
+/// a seam is open, from places of our own; the best one is taken.
 fn sew(
     scene: &Scene,
     disturb: &(dyn Fn(&mut [Vector3]) + Sync),
     observer: &mut dyn Observer,
 ) -> (Arrangement, sewing::Sewn) {
-    let mut with = |care: Care| {
-        let mut arrangement = arrange(scene.pattern, &scene.garment.open, scene.body, scene.field, care);
+    let mut with = |pattern: &Pattern, care: Care| {
+        let mut arrangement = arrange(pattern, &scene.garment.open, scene.body, scene.field, care);
         disturb(&mut arrangement.positions);
         observer.event(&Event::Arranged { shifts: &arrangement.shifts });
         let sewn = sewing::close_seams(scene, &arrangement, observer);
         let trouble = sewing::Trouble::of(scene, &sewn);
         (trouble, arrangement, sewn)
     };
-    let (trouble, arrangement, mut sewn) = with(Care::Seams);
-    if trouble.is_none() {
-        return (arrangement, sewn);
+    let mut best = with(scene.pattern, Care::Seams);
+    let mut evaluations = best.2.evaluations;
+    if !best.0.is_none() {
+        let other = with(scene.pattern, Care::SeamsAndOpenings);
+        evaluations += other.2.evaluations;
+        if other.0 < best.0 {
+            best = other;
+        }
     }
-    let (other_trouble, other_arrangement, mut other_sewn) = with(Care::SeamsAndOpenings);
-    // Both were paid for.
-    let evaluations = sewn.evaluations + other_sewn.evaluations;
-    (sewn.evaluations, other_sewn.evaluations) = (evaluations, evaluations);
-    match other_trouble < trouble {
-        true => (other_arrangement, other_sewn),
-        false => (arrangement, sewn),
+    if best.0.is_wrongly_worn()
+        && let Some(pattern) = placed_anew(scene)
+    {
+        let mut other = with(&pattern, Care::Seams);
+        evaluations += other.2.evaluations;
+        if other.0 < best.0 {
+            other.1.since(&best.1, &scene.garment.open);
+            best = other;
+        }
     }
+    let (_, arrangement, sewn) = best;
+    // All were paid for.
+    (arrangement, sewing::Sewn { evaluations, ..sewn })
+}
+
+/// The pattern with places of our own; none on a body whose parts cannot be told.
+fn placed_anew(scene: &Scene) -> Option<Pattern> {
+    let marks = Landmarks::find(scene.body).ok()?;
+    let mut placed = scene.pattern.clone();
+    place(&mut placed, scene.body, &marks, &vec![None; scene.pattern.panels.len()]).ok()?;
+    // Its labels stay: they name what holds the garment up.
+    let mut pattern = scene.pattern.clone();
+    pattern.panels.iter_mut().zip(placed.panels).for_each(|(panel, placed)| panel.placement = placed.placement);
+    Some(pattern)
 }
 
 /// The distances that a fit with this clearance, m, asks for: one field serves the search for a start, which

@@ -147,6 +147,11 @@ impl Trouble {
     pub fn is_none(&self) -> bool {
         self.kinds == 0
     }
+
+    /// Does it look as if the body were not in the garment as it should be? Cloth that merely crosses cloth is mended later.
+    pub fn is_wrongly_worn(&self) -> bool {
+        self.pierced > 0 || self.open > 0
+    }
 }
 
 fn largest(lengths: &[f64]) -> f64 {
