@@ -235,6 +235,9 @@ fn summary(outcome: &Outcome, settings: &Settings, host: &Host, out: &Path) -> S
 /// What is no farther than this from the middle of the body is in the middle, m.
 const MIDDLE: f64 = 0.03;
 
+/// Cloth that is stretched by more than this is not worn but caught.
+const CAUGHT: f64 = 0.5;
+
 /// What is too tight, panel by panel, and where.
 fn tight_warnings(outcome: &Outcome, pattern: &Pattern, fabric: &Fabric, body: &BodyInput) -> Vec<Warning> {
     let (low, high) = body.body.bounds();
@@ -244,6 +247,15 @@ fn tight_warnings(outcome: &Outcome, pattern: &Pattern, fabric: &Fabric, body: &
         let beside = match tight.place.x - middle.x {
             x if x.abs() < MIDDLE => "in the middle".to_owned(),
             x => format!("{:.2} m to the {}", x.abs(), if x > 0.0 { "left" } else { "right" }),
+        };
+        let remedy = match tight.largest {
+            largest if largest > CAUGHT => {
+                "No cloth bears so much: it is caught on the body, or sewn to the wrong edge. Look at strain.png, at the seams \
+                 around it (`toile seams show`), and at where its panel starts (`toile place`)."
+            }
+            _ => {
+                "The body is larger than the garment there: take a larger size or another body, or a fabric that stretches."
+            }
         };
         Warning(
             Error::new(
@@ -256,7 +268,7 @@ fn tight_warnings(outcome: &Outcome, pattern: &Pattern, fabric: &Fabric, body: &
                     100.0 * tight.largest,
                     tight.place.y - low.y,
                 ),
-                "The body is larger than the garment there: take a larger size or another body, or a fabric that stretches.",
+                remedy,
             )
             .within(format!("panel \"{}\"", pattern.panels[tight.panel].name)),
         )

@@ -115,16 +115,21 @@ fn line(event: &Event) -> Option<String> {
             Some(format!("closing seams: largest gap {:.2} mm", largest_gap * 1e3))
         }
         Event::LevelDone { level, summary, .. } => Some(format!(
-            "level {}: {}, {} particles, {} evaluations, energy {:.4} J, residual {:.2} weights",
+            "level {}: {}, {} particles, {} evaluations, energy {:.4} J, residual {} weights",
             level + 1,
             describe(summary.resolution),
             summary.particles,
             summary.evaluations,
             summary.energies.total(),
-            summary.residual.rms,
+            readable(summary.residual.rms),
         )),
         _ => None,
     }
+}
+
+/// A number with two decimals, where these are worth reading.
+fn readable(number: f64) -> String {
+    if number < 1e5 { format!("{number:.2}") } else { format!("{number:.1e}") }
 }
 
 /// An event as a JSON object, if it deserves one; `last` remembers the evaluations of the last step told.
