@@ -24,9 +24,10 @@ def main():
 The same patterns with each panel moved by up to 3 cm along each axis and turned by up to 15 degrees about any axis, and all of
 them nearer to each other or farther apart (0.97 to 1.05): `benches/starts.py`, {count} garments. Strain aside, which needs finer cloth
 than this, {count - len(unclean)} of {count} pass the gate: complete, sewn, without an intersection. Processor time: median {cpu[count // 2]:.1f} s, at most
-{cpu[-1]:.1f} s, pictures included. The others:
+{cpu[-1]:.1f} s, pictures included.{" The others:" if unclean else ""}
 """)
-    print("| garment | CPU s | what the judge says |\n|---|---|---|")
+    if unclean:
+        print("| garment | CPU s | what the judge says |\n|---|---|---|")
     for name, seconds, reasons in unclean:
         print(f"| {name} | {seconds:.1f} | {'; '.join(reasons)} |")
 
