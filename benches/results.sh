@@ -53,6 +53,8 @@ for mm in "${resolutions[@]}"; do
     corpus "$mm" "$mm" "At $mm mm"
 done
 corpus auto 10 "At 10 mm, placed by themselves: the patterns' placements unread" --extra "--place auto"
+corpus woman 10 "At 10 mm, on a woman of 1.62 m (female_apose)" --body "$data/bodies/female_apose.obj"
+corpus man 10 "At 10 mm, on another man (male_apose)" --body "$data/bodies/male_apose.obj"
 if [ -n "${STARTS:-}" ]; then
     out=target/results/starts
     rm -rf "$out" "$out.patterns"
