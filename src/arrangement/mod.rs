@@ -38,6 +38,8 @@ pub struct Arrangement {
     pub positions: Vec<Vector3>,
     /// How far the middle of each panel was moved, m.
     pub shifts: Vec<Vector3>,
+    /// How far above the places where they are worn the panels start, m.
+    pub raised: f64,
 }
 
 /// Steps of the search, m, long to short.
@@ -156,7 +158,8 @@ pub fn arrange(pattern: &Pattern, open: &Level, body: &Body, field: &DistanceFie
     for (range, motion) in open.panels.iter().zip(&motions) {
         positions[range.points.clone()].iter_mut().for_each(|p| *p = motion.of(*p));
     }
-    Arrangement { positions, shifts }
+    let placements = pattern.panels.iter().filter_map(|panel| panel.placement.as_ref());
+    Arrangement { positions, shifts, raised: placements.map(|p| p.raised).fold(0.0, f64::max) }
 }
 
 impl Arrangement {

@@ -26,9 +26,7 @@ impl Waist {
     /// Of a garment that hangs from its waist line.
     pub fn of(pattern: &Pattern, garment: &Garment, arrangement: &Arrangement) -> Option<Self> {
         let line = hanging(pattern, &garment.open, &arrangement.positions)?;
-        let raised =
-            pattern.panels.iter().filter_map(|panel| panel.placement.as_ref()).map(|p| p.raised).fold(0.0, f64::max);
-        Some(Self { panels: 0..pattern.panels.len(), height: line.height - raised })
+        Some(Self { panels: 0..pattern.panels.len(), height: line.height - arrangement.raised })
     }
 
     /// Keeps it from sinking below where the pattern places it, as buttons would.
