@@ -10,7 +10,7 @@ use toile::arrangement::{Care, arrange};
 use toile::body::Body;
 use toile::garment::Garment;
 use toile::io::{body_obj, garmentcode, process};
-use toile::prepositioning::{Settings, distance_field};
+use toile::prepositioning::{Settings, distance_field, worn_heights};
 
 fn main() {
     let args: Vec<String> = std::env::args().collect();
@@ -34,7 +34,7 @@ fn main() {
         let body = Body::new(positions, triangles).unwrap().0;
         timed(start);
         let start = now();
-        let field = distance_field(&body, settings.clearance);
+        let field = distance_field(&body, settings.clearance, worn_heights([&pattern]));
         timed(start);
         let start = now();
         let garment = Garment::build(&pattern, &settings.resolutions).unwrap();

@@ -40,6 +40,7 @@ use grid::{Grid, by_slab};
 use lines::Lines;
 use rayon::prelude::*;
 use spread::{Nearest, UNKNOWN};
+use std::ops::Range;
 
 /// Distance and its gradient at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,6 +100,11 @@ const OVERLAP: usize = 2;
 impl DistanceField {
     /// Distances inside and up to `band` outside, on a grid of `cell` near the surface, m.
     pub fn new(body: &Body, cell: f64, band: f64) -> Self {
+        Self::fine_at(f64::NEG_INFINITY..f64::INFINITY, body, cell, band)
+    }
+
+    /// The same with fine bricks at these heights alone, m; the coarse grid serves below and above.
+    pub fn fine_at(heights: Range<f64>, body: &Body, cell: f64, band: f64) -> Self {
         let (low, high) = body.bounds();
         let side = 2.0 * cell;
         let margin = Vector3::repeat(band + (PAST_BAND + MARGIN) * side);
@@ -111,7 +117,7 @@ impl DistanceField {
         let coefficients = coarse_coefficients(body, &skin, &facets, &coarse, beyond);
         let beyond = f64::from(beyond as f32);
         let mut field = Self { cell, band, beyond, coarse, coefficients, bricks: Vec::new(), fine: Vec::new() };
-        field.add_bricks(body, &facets);
+        field.add_bricks(body, &facets, heights);
         field
     }
 
@@ -121,8 +127,10 @@ impl DistanceField {
         Grid { origin, cell: self.cell, extent: self.coarse.extent.map(|n| 2 * n) }
     }
 
-    fn add_bricks(&mut self, body: &Body, facets: &[Facet]) {
+    fn add_bricks(&mut self, body: &Body, facets: &[Facet], worn: Range<f64>) {
         let grid = self.fine_grid();
+        let height = |layer: usize| grid.position([0, layer, 0]).y;
+        let wanted = |slab: usize| height(slab * FINE_SLAB) < worn.end && height((slab + 1) * FINE_SLAB) > worn.start;
         let reach = FINE_REACH * self.cell;
         let around = reach + OVERLAP as f64 * self.cell;
         let near = by_slab(&grid, FINE_SLAB, facets.iter().map(|f| grown(f, around)));
@@ -133,6 +141,9 @@ impl DistanceField {
             .zip(&crossing)
             .enumerate()
             .map(|(slab, (near, crossing))| {
+                if !wanted(slab) {
+                    return (Vec::new(), Vec::new());
+                }
                 let near: Vec<&Facet> = near.iter().map(|&f| &facets[f as usize]).collect();
                 self.slab_of_bricks(body, &grid, slab * FINE_SLAB, &near, crossing)
             })

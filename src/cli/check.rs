@@ -14,7 +14,7 @@ use crate::io::findings::{finding_part, seam_ease};
 use crate::io::length::describe;
 use crate::pattern::Fabric;
 use crate::pattern::sewing::{ease_of, plans_of};
-use crate::prepositioning::distance_field;
+use crate::prepositioning::{distance_field, worn_heights};
 use crate::{Code, Error, Severity};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -107,7 +107,8 @@ fn look(asked: &Check) -> Result<Looked, Failure> {
                 None
             }
         });
-        let field = body.as_ref().filter(|_| is_placed).map(|body| distance_field(&body.body, clearance));
+        let field = body.as_ref().filter(|_| is_placed);
+        let field = field.map(|body| distance_field(&body.body, clearance, worn_heights([&input.pattern])));
         let found = examine(&Given {
             pattern: &input.pattern,
             resolutions: &resolutions,

@@ -34,6 +34,7 @@ use crate::geometry::Vector3;
 use crate::pattern::{Cut, Fabric, Pattern};
 use layering::bring_into_order;
 use outfit::{Relaxed, Together, sew_in_turn, take_apart};
+use std::ops::Range;
 
 /// Side of a cell of the body's distance field near the skin, m: a third of a finger.
 const FIELD_CELL: f64 = 0.006;
@@ -108,7 +109,7 @@ fn sew_and_relax(
     };
     let (built, field) = rayon::join(
         || garments.iter().map(build).collect::<Result<Vec<_>, _>>(),
-        || distance_field(body, settings.clearance),
+        || distance_field(body, settings.clearance, worn_heights(garments.iter().map(|(pattern, _)| *pattern))),
     );
     let built = built?;
     let clothes = sew_in_turn(garments, &built, (body, &field), settings, disturb, observer);
@@ -192,11 +193,26 @@ fn placed_anew(scene: &Scene) -> Option<Pattern> {
     Some(pattern)
 }
 
-/// The distances that a fit with this clearance, m, asks for: one field serves the search for a start, which
-/// looks farther, and contact, which looks closer.
-pub fn distance_field(body: &Body, clearance: f64) -> DistanceField {
-    DistanceField::new(body, FIELD_CELL, SIGHT_MARGIN.max(clearance + FIELD_BAND))
+/// The distances that a fit with this clearance, m, of cloth that is worn at these heights, m, asks for: one field serves the
+/// search for a start, which looks farther, and contact, which looks closer.
+pub fn distance_field(body: &Body, clearance: f64, heights: Range<f64>) -> DistanceField {
+    DistanceField::fine_at(heights, body, FIELD_CELL, SIGHT_MARGIN.max(clearance + FIELD_BAND))
 }
+
+/// Lowest and highest height at which patterns that are placed may come to be worn, m: cloth falls farther than it is raised.
+pub fn worn_heights<'a>(patterns: impl IntoIterator<Item = &'a Pattern>) -> Range<f64> {
+    let panels = patterns.into_iter().flat_map(|pattern| &pattern.panels);
+    let points = panels.flat_map(|panel| panel.polygon(OUTLINE_POINTS).into_iter().map(|p| panel.place(p).y));
+    let (lowest, highest) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    lowest - MOST_LOWERED..highest + MOST_RAISED
+}
+
+/// Points of each side of a panel that tell where it is.
+const OUTLINE_POINTS: usize = 4;
+/// How far cloth falls, or is placed too high, m: a skirt from the waist to the hips.
+const MOST_LOWERED: f64 = 0.15;
+/// How far it is raised, m.
+const MOST_RAISED: f64 = 0.05;
 
 /// What all stages look at and none changes.
 struct Scene<'a> {

@@ -9,7 +9,7 @@ use super::layering::bring_into_order;
 use super::relaxing::{relax, relax_over};
 use super::sewing::Sewn;
 use super::waist_line::Waist;
-use super::{Event, LevelSummary, Observer, Outcome, Scene, Settings, distance_field, sew};
+use super::{Event, LevelSummary, Observer, Outcome, Scene, Settings, distance_field, sew, worn_heights};
 use crate::arrangement::Arrangement;
 use crate::assess::{Layers, assess_knowing, gather_allowance, tight_places};
 use crate::body::{Body, DistanceField};
@@ -96,7 +96,7 @@ pub(super) fn sew_in_turn(
             Settings { clearance: settings.clearance.max(over(&garments[..k], fabric)), ..settings.clone() };
         let dressed = (k > 0).then(|| {
             let dressed = dress(body, &built[..k], &clothes.positions);
-            let field = distance_field(&dressed, own_settings.clearance);
+            let field = distance_field(&dressed, own_settings.clearance, worn_heights([pattern]));
             (dressed, field)
         });
         let (on, around) = dressed.as_ref().map_or((body, field), |(dressed, field)| (dressed, field));

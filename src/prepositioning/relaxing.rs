@@ -25,8 +25,10 @@ const COARSE_RESIDUAL: f64 = 0.3;
 const COARSE_SINKING: f64 = 1e-4;
 /// The same on the finest level, where a run is dear and friction is to have the last word, m.
 const SETTLED_SINKING: f64 = 1e-3;
-/// Share of the hand-off's limits at which the strain is clearly within them: clearing the body adds a little.
-const CLEARLY: f64 = 0.85;
+/// Shares of the hand-off's limits below which the strain is clearly within them, and beyond which it would not stay within
+/// them: clearing the body adds 1 to 6 % of the limit.
+const CLEARLY: f64 = 0.92;
+const BARELY: f64 = 0.97;
 /// Strain is not expected to fall faster than in the last run by more than this factor.
 const BEST_PACE: f64 = 2.0;
 /// Share of the finest level's evaluations in which cloth slides without friction: a garment is
@@ -258,7 +260,7 @@ fn is_settled(
     let strain = Strain::of(cloth, positions, &gather_allowance(scene.pattern, cloth));
     let before = run.strain.replace(strain);
     let runs_left = sliding.saturating_sub(run.evaluations) as f64 / RUN_LENGTH as f64;
-    let too_tight = |before: f64, now: f64, limit: f64| now - BEST_PACE * runs_left * (before - now) > limit;
+    let too_tight = |before: f64, now: f64, limit: f64| now - BEST_PACE * runs_left * (before - now) > BARELY * limit;
     let too_tight = before.is_some_and(|before| {
         too_tight(before.p99, strain.p99, LARGEST_STRAIN_P99)
             || too_tight(before.mean, strain.mean, LARGEST_STRAIN_MEAN)
