@@ -134,6 +134,21 @@ fn ten_millimetres_predict_what_five_find_on_a_real_body() {
     println!("the mean particle is {:.2} mm away", moved_by_halving(&pattern(&text), &body) * 1e3);
 }
 
+/// Legs that are too long once closed around the toes, and were stretched by a quarter.
+#[test]
+fn trousers_that_are_too_long_end_on_the_instep() {
+    let Some(data) = support::shared_data() else { return };
+    let text = std::fs::read_to_string(data.join("patterns/garmentcode/jumpsuit.json")).unwrap();
+    let body = body_obj::parse(&std::fs::read(data.join("bodies/female_apose.obj")).unwrap()).unwrap().0;
+    let settings = Settings::for_resolution(0.02);
+    let outcome = preposition(&pattern(&text), &Fabric::default(), &body, &settings, &mut ()).unwrap();
+    let failed: Vec<_> = hand_off(&outcome.assessment).into_iter().filter(|check| !check.passed).collect();
+    assert!(failed.is_empty(), "{failed:?}");
+    // Were an end under a foot, its cloth would be pulled over it.
+    let most = outcome.assessment.strain.max;
+    assert!(most < 0.15, "cloth is stretched by {:.0} %", 100.0 * most);
+}
+
 #[test]
 fn the_springs_of_the_paper_sew_the_same_garment() {
     let pattern = pattern(embedded::TEE);

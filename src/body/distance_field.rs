@@ -522,6 +522,18 @@ mod tests {
     }
 
     #[test]
+    fn where_nothing_is_worn_the_coarse_grid_serves() {
+        let (body, field) = ball();
+        let part = DistanceField::fine_at(0.4..0.5, &body, CELL, 0.03);
+        assert!(part.fine.len() < field.fine.len() / 2);
+        for at in points(0.02) {
+            let (whole, part) = (field.sample(at).unwrap(), part.sample(at).unwrap());
+            assert!((0.4..0.5).contains(&at.y) <= (whole == part), "{at}");
+            assert!((whole.distance - part.distance).abs() < 0.05 * CELL, "{at}: {} {}", whole.distance, part.distance);
+        }
+    }
+
+    #[test]
     fn far_points_have_no_distance() {
         let (_, field) = ball();
         assert_eq!(field.sample(Vector3::new(0.0, 0.5, 0.55)), None);

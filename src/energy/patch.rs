@@ -236,20 +236,14 @@ impl Pairs {
     /// `Σ w |dᵢ - dⱼ|²`, by lanes.
     #[inline(always)]
     fn curvature(&self, along: &[Lanes]) -> Lanes {
-        // Two sums in turns: one would have to wait for itself.
-        let (mut even, mut odd) = (Lanes::ZERO, Lanes::ZERO);
+        let mut sum = Lanes::ZERO;
         for i in 0..self.starts.len() - 1 {
-            let mut row = self.row(i);
-            while let Some((j, weight)) = row.next() {
+            for (j, weight) in self.row(i) {
                 let span = along[i] - along[j];
-                even += span * span * weight;
-                if let Some((j, weight)) = row.next() {
-                    let span = along[i] - along[j];
-                    odd += span * span * weight;
-                }
+                sum += span * span * weight;
             }
         }
-        even + odd
+        sum
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub mod comparison;
 mod finish;
+mod hems;
 mod hessian;
 mod layering;
 mod outcome;

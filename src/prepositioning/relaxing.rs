@@ -277,7 +277,7 @@ fn strain_excess(scene: &Scene, level: usize, positions: &[Vector3]) -> f64 {
 
 /// An excess below which cloth that has just been taken out of the body may give way that much: it is worth another run,
 /// and one more while the pace of the last would end it. The first gains 0.01 to 0.02, those after it less.
-const SLIGHT_EXCESS: f64 = 0.025;
+const SLIGHT_EXCESS: f64 = 0.015;
 /// How many such runs there are at most.
 const MOST_SECOND_LOOKS: usize = 8;
 

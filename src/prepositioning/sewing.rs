@@ -5,6 +5,7 @@
 //! panels close around its core and not beside it; then it grows to its size and pushes the sewn
 //! garment outwards.
 
+use super::hems::{draw_up, lengthened};
 use super::problem::Relaxation;
 use super::{Event, Observer, Scene};
 use crate::arrangement::Arrangement;
@@ -42,6 +43,8 @@ const CLOSED: f64 = 5e-4;
 const SHRINKAGE: f64 = 0.01;
 /// Steps in which it grows back.
 const GROWING_STEPS: usize = 6;
+/// Steps in which hems that were drawn up get their length back.
+const LENGTHENING_STEPS: usize = 12;
 /// The upper part of the garment that is kept from sinking where the pattern names no part, m.
 const UPPER_PART: f64 = 0.05;
 
@@ -58,7 +61,8 @@ pub struct Sewn {
 pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn Observer) -> Sewn {
     let (settings, open) = (scene.settings, &scene.garment.open);
     let mut positions = arrangement.positions.clone();
-    let mut problem = problem(scene, &positions);
+    let shorter = draw_up(scene.body, open, &mut positions);
+    let mut problem = problem(scene, shorter.as_ref().unwrap_or(open), &positions);
     let mut minimizer = Minimizer::new(settings.minimizer, positions.len());
     let steps = Steps { evaluations: EVALUATIONS_PER_STEP, ..settings.steps(open) };
     let mut evaluations = 0;
@@ -94,6 +98,17 @@ pub fn close_seams(scene: &Scene, arrangement: &Arrangement, observer: &mut dyn 
         problem.body.settings.clearance = settings.coarse_clearance() - thin;
         let mut gain = Gain::default();
         evaluations += minimizer.run(&mut problem, &mut positions, &steps, |iterate| gain.is_little(iterate)).2;
+    }
+    if let Some(shorter) = &shorter {
+        for left in (0..LENGTHENING_STEPS).rev() {
+            let level = lengthened(open, shorter, left as f64 / LENGTHENING_STEPS as f64);
+            let before = std::mem::replace(&mut problem.energy, Energy::new(&level, scene.cut, settings.model));
+            problem.energy.gravity = before.gravity;
+            (problem.energy.stitches, problem.energy.holds) = (before.stitches, before.holds);
+            problem.update_diagonal();
+            let mut gain = Gain::default();
+            evaluations += minimizer.run(&mut problem, &mut positions, &steps, |iterate| gain.is_little(iterate)).2;
+        }
     }
     let mut largest_gap = largest(&problem.energy.stitches.gaps(&positions));
     // What has grown may have opened seams again.
@@ -180,8 +195,9 @@ impl Gain {
     }
 }
 
-fn problem<'a>(scene: &Scene<'a>, positions: &[Vector3]) -> Relaxation<'a> {
-    let (settings, open) = (scene.settings, &scene.garment.open);
+/// What is minimized while the seams of the open level close.
+fn problem<'a>(scene: &Scene<'a>, open: &Level, positions: &[Vector3]) -> Relaxation<'a> {
+    let settings = scene.settings;
     let mut energy = Energy::new(open, scene.cut, settings.model);
     energy.gravity = 0.0;
     energy.holds = holds(scene.pattern, open, positions);
