@@ -61,8 +61,11 @@ proptest! {
                     at[p][axis] += by;
                     contact.evaluate(&at, &mut ignored)
                 };
-                let slope = (energy(step) - energy(-step)) / (2.0 * step);
-                prop_assert!((slope - gradient[p][axis]).abs() < 1e-4 * scale, "{slope} is not {}", gradient[p][axis]);
+                // Between edges that lie along each other the nearest points leap: there the slope has two sides.
+                let here = energy(0.0);
+                let [before, after] = [(here - energy(-step)) / step, (energy(step) - here) / step];
+                let (least, most) = (before.min(after) - 1e-4 * scale, before.max(after) + 1e-4 * scale);
+                prop_assert!((least..most).contains(&gradient[p][axis]), "{} is not in {least}..{most}", gradient[p][axis]);
             }
         }
         let sum: Vector3 = gradient.iter().sum();

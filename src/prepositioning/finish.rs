@@ -17,11 +17,11 @@ const MOST_ROUNDS: usize = 16;
 /// Rounds after those in which nothing is smoothed any more, so that nothing that is clear comes near again.
 const LAST_ROUNDS: usize = 8;
 /// How much farther the particles of a pierced triangle keep after each round, m, at least.
-const LEAST_WIDENING: f64 = 2e-4;
+const LEAST_WIDENING: f64 = 4e-4;
 /// The same for large triangles, as a share of how far an edge of theirs cuts into a limb.
 const WIDENING_SHARE: f64 = 0.3;
 /// Evaluations that smooth what a round has moved.
-const EVALUATIONS_PER_ROUND: usize = 10;
+const EVALUATIONS_PER_ROUND: usize = 15;
 /// The same where nothing crosses the body and only fractions of a millimetre are missing, or where it is rare.
 const EVALUATIONS_PER_GENTLE_ROUND: usize = 5;
 /// The share of particles that are moved below which a round is gentle, whatever they have to do.
