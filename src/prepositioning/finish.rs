@@ -72,7 +72,8 @@ pub fn clear_body(
             }
         }
         missing.retain(|p, _| !pierced.contains(p));
-        let rare = ((missing.len() + pierced.len()) as f64) < RARE * positions.len() as f64;
+        // Layers have to give way to each other before they are pushed again.
+        let rare = scene.garments == 1 && ((missing.len() + pierced.len()) as f64) < RARE * positions.len() as f64;
         let gentle = pierced.is_empty() || rare;
         let few = pierced.is_empty()
             && (missing.len() as f64) < FEW * positions.len() as f64
