@@ -61,7 +61,7 @@ proptest! {
                     at[p][axis] += by;
                     contact.evaluate(&at, &mut ignored)
                 };
-                // Between edges that lie along each other the nearest points leap: there the slope has two sides.
+                // A kink may lie nearer than the step, where the nearest features change: the gradient is that of one side.
                 let here = energy(0.0);
                 let [before, after] = [(here - energy(-step)) / step, (energy(step) - here) / step];
                 let (least, most) = (before.min(after) - 1e-4 * scale, before.max(after) + 1e-4 * scale);
