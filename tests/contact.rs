@@ -2,6 +2,7 @@
 
 mod support;
 
+use nalgebra::Rotation3;
 use proptest::prelude::*;
 use support::bodies::Mesh;
 use support::patterns::{sheet, two_sheets};
@@ -88,6 +89,41 @@ proptest! {
                 let lower = level.panels[0].points.clone();
                 moves.iter_mut().enumerate().for_each(|(k, m)| m.y += if lower.contains(&k) { size } else { -size });
             }
+            contact.limit(&positions, &mut moves);
+            positions.iter_mut().zip(&moves).for_each(|(p, m)| *p += m);
+            let crossing = cloth_intersections(&level, &positions);
+            prop_assert!(crossing.is_empty(), "round {round}: triangles {crossing:?} have met");
+        }
+    }
+
+    /// Layers that were pressed together until rounding is near could part by a share of their distance at a time only, and
+    /// not slide at all.
+    #[test]
+    fn squeezed_layers_slide_and_part_at_once(seed in 0.0..100.0f64, exponent in 4..10i32) {
+        let level = two_sheets(0.2, 0.04);
+        let (mut apart, gap) = (laid(&level, 0.005, 0.0, seed), 10f64.powi(-exponent));
+        let lower = level.panels[0].points.clone();
+        // Turned, as edges that are parallel have no direction across them.
+        let turn = Rotation3::new(Vector3::y() * 0.3);
+        apart.iter_mut().enumerate().filter(|(p, _)| !lower.contains(p)).for_each(|(_, x)| *x = turn * *x);
+        let mut contact = against_itself(&level, &apart);
+        let over = |by: Vector3| -> Vec<Vector3> {
+            (0..apart.len()).map(|p| if lower.contains(&p) { Vector3::zeros() } else { by }).collect()
+        };
+        let mut positions = apart.clone();
+        positions.iter_mut().zip(over(Vector3::y() * (gap - 0.005))).for_each(|(p, m)| *p += m);
+        let (towards, step) = (seed.sin_cos(), 0.003);
+        for rise in [0.0, 0.001] {
+            let wanted = over(Vector3::new(step * towards.0, rise, step * towards.1));
+            let mut moves = wanted.clone();
+            prop_assert_eq!(contact.limit(&positions, &mut moves), 0);
+            prop_assert_eq!(&moves, &wanted);
+        }
+        // Rough moves may lead nowhere through, whether they part or not.
+        for round in 0..10 {
+            let wave = |k: usize, by: f64| (k as f64 * by + seed + 17.0 * f64::from(round)).sin() * step;
+            let mut moves: Vec<Vector3> =
+                (0..positions.len()).map(|k| Vector3::new(wave(k, 45.164), wave(k, 94.673), wave(k, 7.781))).collect();
             contact.limit(&positions, &mut moves);
             positions.iter_mut().zip(&moves).for_each(|(p, m)| *p += m);
             let crossing = cloth_intersections(&level, &positions);

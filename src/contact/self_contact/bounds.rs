@@ -3,10 +3,12 @@
 //! > from a state without intersections, if the moves of no pair's particles, less their common mean,
 //! > add up to the pair's distance, nothing can have passed through anything    (theory, equation 15)
 //!
+//! > nor if they do not along a line across which a plane is between its sides    (theory, equation 15a)
+//!
 //! It needs no continuous collision detection. Offset Geometric Contact (Chen et al. 2025, section 3)
 //! bounds the moves themselves, which locks layers that move together.
 
-use super::pairs::Pair;
+use super::pairs::{Pair, Span};
 use super::{CHUNK, LEAST_CHUNKS, MOST_PAIRS_ALONE, SelfContact, larger};
 use crate::geometry::Vector3;
 use rayon::prelude::*;
@@ -28,6 +30,9 @@ const DRAWING: f64 = 0.9;
 /// the mean of all by one and a half at most, and one on each side counts.
 const MOST_CLOSING: f64 = 3.0;
 
+/// A gap that is narrower than this, m, may be one of rounding: positions are exact to a thousandth of it.
+const LEAST_GAP: f64 = 1e-12;
+
 /// A pair in its own way.
 struct Blocked {
     particles: [u32; 4],
@@ -35,8 +40,19 @@ struct Blocked {
     mean: Vector3,
     /// What its particles may keep of their moves against the mean.
     share: f64,
+    /// The line along which alone they lose the rest; none where they lose it altogether.
+    normal: Option<Vector3>,
     /// m.
     distance: f64,
+}
+
+impl Blocked {
+    /// What a particle of the pair is left with.
+    fn drawn(&self, m: Vector3) -> Vector3 {
+        let against = self.mean - m;
+        let lost = self.normal.map_or(against, |normal| normal * normal.dot(&against));
+        m + lost * (1.0 - DRAWING * self.share)
+    }
 }
 
 /// No particle of a blocked pair moves farther than its part of the pair's distance.
@@ -55,18 +71,18 @@ fn stop(blocked: &[Blocked], moves: &mut [Vector3]) {
 
 /// Each particle follows the pair that leaves it the least.
 fn draw_together(blocked: &[Blocked], moves: &mut [Vector3]) {
-    let mut strictest: std::collections::BTreeMap<u32, (f64, Vector3)> = std::collections::BTreeMap::new();
+    let mut strictest: std::collections::BTreeMap<u32, &Blocked> = std::collections::BTreeMap::new();
     for pair in blocked {
         for p in pair.particles {
-            let entry = strictest.entry(p).or_insert((f64::INFINITY, Vector3::zeros()));
-            if pair.share < entry.0 {
-                *entry = (pair.share, pair.mean);
+            let entry = strictest.entry(p).or_insert(pair);
+            if pair.share < entry.share {
+                *entry = pair;
             }
         }
     }
-    for (p, (share, mean)) in strictest {
+    for (p, pair) in strictest {
         let m = &mut moves[p as usize];
-        *m = mean + (*m - mean) * (DRAWING * share);
+        *m = pair.drawn(*m);
     }
 }
 
@@ -74,9 +90,11 @@ impl SelfContact {
     /// Shortens moves until no pair can pass through each other; tells how many pairs were in the way.
     ///
     /// The sides of a pair at distance `d` cannot meet while the moves of their particles, less their
-    /// common mean, add up to less than `d`. Where they do not, the particles' moves are first drawn
-    /// towards the mean; where a few rounds of that do not suffice they are cut to a share of `d`
-    /// each, which may block neighbours in turn; in the end all moves are shortened alike.
+    /// common mean, add up to less than `d`, nor while they add up to less than the gap along a line
+    /// that has one: that of the nearest points, or across both sides. Where they add up to more, the
+    /// particles' moves are first drawn towards the mean, along the line that leaves them the most;
+    /// where a few rounds of that do not suffice they are cut to a share of `d` each, which may block
+    /// neighbours in turn; in the end all moves are shortened alike.
     pub fn limit(&mut self, positions: &[Vector3], moves: &mut [Vector3]) -> usize {
         self.limit_for(MOST_ROUNDS, positions, moves)
     }
@@ -174,11 +192,38 @@ impl SelfContact {
             if closing <= least_distance {
                 return None;
             }
-            let distance = pair.distance(positions);
-            let share = APPROACH_SHARE * distance / closing;
+            let Span { vector, .. } = pair.span(positions);
+            let distance = vector.norm();
+            let altogether = APPROACH_SHARE * distance / closing;
+            if altogether >= 1.0 {
+                return None;
+            }
+            let (mut share, mut normal) = (altogether, None);
+            for direction in [vector / distance, pair.normal(positions)] {
+                let along = share_along(direction, &pair, positions, m);
+                if along > share {
+                    (share, normal) = (along, Some(direction));
+                }
+            }
             // Rounding must not block what was just cut to fit.
-            (share < 1.0 - 1e-9).then_some(Blocked { particles: pair.particles, mean, share, distance })
+            (share < 1.0 - 1e-9).then_some(Blocked { particles: pair.particles, mean, share, normal, distance })
         };
         near.par_iter().with_min_len(MOST_PAIRS_ALONE).filter_map(blocked).collect()
+    }
+}
+
+/// What the particles of a pair may keep of their moves along a direction, of length one, so that a plane across it stays
+/// between the sides; more than 1 where they need lose nothing. Zero where no such plane is between them now: any direction
+/// may be asked for.
+fn share_along(direction: Vector3, pair: &Pair, positions: &[Vector3], moves: [Vector3; 4]) -> f64 {
+    let base = positions[pair.particles[0] as usize];
+    let gap = pair.gap(pair.particles.map(|p| direction.dot(&(positions[p as usize] - base))));
+    // Of the gap, if each side did the worst that one of its particles does.
+    let widening = pair.gap(moves.map(|m| direction.dot(&m)));
+    match gap > LEAST_GAP {
+        true if widening < 0.0 => APPROACH_SHARE * gap / -widening,
+        true => f64::INFINITY,
+        // NaN as well, of sides that touch, or lie along one line.
+        false => 0.0,
     }
 }

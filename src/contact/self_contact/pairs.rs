@@ -60,6 +60,24 @@ impl Pair {
             Kind::EdgeEdge => (a.max(b), c.max(d)),
         }
     }
+
+    /// Across the face, or across both edges, towards the first side; of length one, or NaN where nothing is across.
+    pub fn normal(&self, positions: &[Vector3]) -> Vector3 {
+        let [p, q, r, s] = self.particles.map(|p| positions[p as usize]);
+        let (across, towards) = match self.kind {
+            Kind::VertexFace => ((r - q).cross(&(s - q)), p - q),
+            Kind::EdgeEdge => ((q - p).cross(&(s - r)), p - r),
+        };
+        across * (across.dot(&towards).signum() / across.norm())
+    }
+
+    /// The least of four heights, one per particle, on the first side, above the greatest on the second.
+    pub fn gap(&self, [a, b, c, d]: [f64; 4]) -> f64 {
+        match self.kind {
+            Kind::VertexFace => a - b.max(c).max(d),
+            Kind::EdgeEdge => a.min(b) - c.max(d),
+        }
+    }
 }
 
 impl Kind {
