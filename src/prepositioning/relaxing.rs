@@ -118,6 +118,7 @@ fn coarsely(
     budget: usize,
     observer: &mut dyn Observer,
 ) -> Termination {
+    let cloth = &scene.garment.levels[level];
     let mut termination = Termination::Budget;
     while run.evaluations < budget && termination == Termination::Budget {
         let most = RUN_LENGTH.min(budget - run.evaluations);
@@ -129,10 +130,15 @@ fn coarsely(
     if level == 0 && scene.settings.minimizer == Method::Newton && termination != Termination::Converged {
         termination = run.swing(scene, problem, positions, observer);
     }
-    if ends_by_newton(scene) && termination != Termination::Converged {
+    if termination == Termination::Converged || scene.settings.minimizer != Method::Newton {
+        return termination;
+    }
+    if ends_by_newton(scene) {
         // The nearer a level starts to its rest, the fewer dear steps it takes to get there.
         run.by_newton(scene, level, problem);
         termination = run.steps(scene, level, problem, positions, COARSE_NEWTON_EVALUATIONS, observer);
+    } else if cloth.resolution >= LEAST_CLIMBING_RESOLUTION && strain_excess(scene, level, positions) > TIGHT {
+        termination = run.climb(scene, level, problem, positions, observer);
     }
     termination
 }
@@ -146,8 +152,16 @@ const SWING_MEMORY: usize = 20;
 const SWING_WINDOW: usize = 100;
 const SWING_SINKING: f64 = 3e-4;
 
-/// Evaluations of Newton's method on a level but the finest, on the way to equilibrium.
+/// Evaluations of Newton's method on a level but the finest, on the way to equilibrium, and at most where tight cloth climbs.
 const COARSE_NEWTON_EVALUATIONS: usize = 400;
+
+/// Strain that is beyond its limits by this share on a coarse level does not get within them on the finer ones, where
+/// chords follow the body better: then the cloth sits where the body is too wide for it.
+const TIGHT: f64 = 0.3;
+/// It climbs while a run of Newton's method lowers the energy by the garment's sinking by this height, m.
+const CLIMBING: f64 = 1e-3;
+/// On finer levels than this, m, Newton's method takes longer than all the rest.
+const LEAST_CLIMBING_RESOLUTION: f64 = 0.015;
 
 /// Relaxes the finest level: sliding at first, held by friction in the end, and clear of the body.
 ///
@@ -382,6 +396,27 @@ impl Run {
         self.least_fall = f64::NEG_INFINITY;
         let balanced = self.curve.last().is_some_and(|point| point.residual <= COARSE_RESIDUAL);
         if balanced { Termination::Converged } else { Termination::Budget }
+    }
+
+    /// Lets cloth that is too tight where it sits find where it is less so. A narrow skirt climbs the hips by
+    /// centimetres, all of it at once: conjugate gradients crawl there, by so little that they seem to be done.
+    fn climb(
+        &mut self,
+        scene: &Scene,
+        level: usize,
+        problem: &mut Relaxation,
+        positions: &mut Vec<Vector3>,
+        observer: &mut dyn Observer,
+    ) -> Termination {
+        self.by_newton(scene, level, problem);
+        let last = self.evaluations + COARSE_NEWTON_EVALUATIONS;
+        loop {
+            let termination = self.steps(scene, level, problem, positions, NEWTON_RUN_LENGTH, observer);
+            let climbs = self.fallen >= CLIMBING * weight(problem);
+            if termination != Termination::Budget || !climbs || self.evaluations >= last {
+                return termination;
+            }
+        }
     }
 
     /// From now on steps are Newton's.
