@@ -69,8 +69,8 @@ fn stop(blocked: &[Blocked], moves: &mut [Vector3]) {
     }
 }
 
-/// Each particle follows the pair that leaves it the least.
-fn draw_together(blocked: &[Blocked], moves: &mut [Vector3]) {
+/// Each particle follows the pair that leaves it the least. Returns those that do.
+fn draw_together(blocked: &[Blocked], moves: &mut [Vector3]) -> Vec<u32> {
     let mut strictest: std::collections::BTreeMap<u32, &Blocked> = std::collections::BTreeMap::new();
     for pair in blocked {
         for p in pair.particles {
@@ -80,10 +80,11 @@ fn draw_together(blocked: &[Blocked], moves: &mut [Vector3]) {
             }
         }
     }
-    for (p, pair) in strictest {
+    for (&p, pair) in &strictest {
         let m = &mut moves[p as usize];
         *m = pair.drawn(*m);
     }
+    strictest.into_keys().collect()
 }
 
 impl SelfContact {
@@ -115,7 +116,7 @@ impl SelfContact {
             self.renew_strayed(positions, moves, most_drift);
         }
         let drift = self.measure_drift(positions);
-        // No move gets longer in what follows: pairs that the longest cannot close are out of the question.
+        // No move gets longer than this in what follows: pairs that the longest cannot close are out of the question.
         let closing = MOST_CLOSING * longest;
         let within = closing / APPROACH_SHARE + 2.0 * drift;
         let pairs = self.pairs.par_iter().zip(&self.origin_distance).with_min_len(MOST_PAIRS_ALONE);
@@ -130,7 +131,8 @@ impl SelfContact {
             if blocked.is_empty() {
                 break;
             } else if round < DRAWING_ROUNDS {
-                draw_together(&blocked, moves);
+                let drawn = draw_together(&blocked, moves);
+                self.keep_followed(&drawn, longest, positions, moves);
             } else if round + 1 < MOST_ROUNDS {
                 stop(&blocked, moves);
             } else {
@@ -161,6 +163,27 @@ impl SelfContact {
         });
         let (longest, farthest) = largest.reduce(|| (0.0, 0.0), |a, b| (larger(a.0, b.0), larger(a.1, b.1)));
         (longest.sqrt(), farthest > most * most)
+    }
+
+    /// Shortens the moves of particles that were drawn along, which may be longer than they were: to the longest, m, of all,
+    /// and so that none leaves its origin farther behind than it may.
+    fn keep_followed(&self, drawn: &[u32], longest: f64, positions: &[Vector3], moves: &mut [Vector3]) {
+        for &p in drawn {
+            let p = p as usize;
+            let m = &mut moves[p];
+            let length = m.norm();
+            if length > longest {
+                *m *= longest / length;
+            }
+            let drift = positions[p] - self.origin[p];
+            let room = self.most_drift.powi(2) - drift.norm_squared();
+            if (drift + *m).norm_squared() > self.most_drift.powi(2) {
+                // |drift + s m| = most, for s between 0 and 1; none where rounding has left no room.
+                let (along, squared) = (drift.dot(m), m.norm_squared());
+                let share = ((along * along + squared * room).max(0.0).sqrt() - along) / squared;
+                *m *= share.clamp(0.0, 1.0);
+            }
+        }
     }
 
     /// Gives new origins to particles that would otherwise come to be farther from them than `most`, m,

@@ -356,43 +356,55 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn follow(seed: f64, reach: f64, size: f64) -> Result<(), TestCaseError> {
+        let (level, mut positions) = crumpled_tube(0.02, seed);
+        let triangles = level.particle_triangles();
+        let class_of: Vec<u32> = (0..level.particle_count as u32).collect();
+        let settings = SelfContactSettings { clearance: 0.003, stiffness: 1.0, reach };
+        let mut contact = SelfContact::new(&level, class_of.clone(), settings);
+        contact.rebuild(&positions);
+        let mut partly = 0;
+        for round in 0..20 {
+            // Few particles move, in each round others.
+            let amount = |p: usize| if (p + round) % 17 < 2 { size * reach } else { 1e-4 * reach };
+            let wave = |k: usize, step: f64| ((k + 7 * round) as f64 * step + seed).sin();
+            let moves = |p: usize| Vector3::new(wave(p, 45.164), wave(p, 94.673), wave(p, 7.781)) * amount(p);
+            let mut moves: Vec<Vector3> = (0..positions.len()).map(moves).collect();
+            let before = contact.origin.clone();
+            contact.limit(&positions, &mut moves);
+            positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
+            let renewed = before.iter().zip(&contact.origin).filter(|(a, b)| a != b).count();
+            partly += usize::from(renewed > 0 && renewed < positions.len());
+            let mut found: Vec<_> =
+                contact.pairs.iter().copied().zip(contact.origin_distance.iter().copied()).collect();
+            found.sort_by_key(|(pair, _)| *pair);
+            let plainly = near_pairs_plainly(&triangles, &class_of, &contact.origin, reach);
+            let plainly: Vec<_> = plainly.into_iter().filter(|(pair, _)| !contact.excused.contains(pair)).collect();
+            prop_assert_eq!(found, plainly);
+            let farthest = contact.measure_drift(&positions);
+            prop_assert!(farthest <= contact.most_drift * (1.0 + 1e-9), "{farthest}");
+            // What is known of distances without measuring them is true.
+            for (pair, &at_origin) in contact.pairs.iter().zip(&contact.origin_distance) {
+                prop_assert!(contact.least_distance(pair, at_origin) <= pair.distance(&positions));
+            }
+        }
+        prop_assert!(size < 0.4 || partly > 0);
+        Ok(())
+    }
+
+    /// Who was drawn along by others went farther than it would have by itself, and out of what was searched.
+    #[test]
+    fn who_is_drawn_along_stays_near_its_origin() {
+        follow(36.55036253133658, 0.02, 0.3656305199266181).unwrap();
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(16))]
 
         /// However particles move, the pairs are those of the origin, and no particle is far from there.
         #[test]
         fn the_pairs_followed_are_those_of_the_origin(seed in 0.0..100.0f64, reach in 0.02..0.06f64, size in 0.0..0.5f64) {
-            let (level, mut positions) = crumpled_tube(0.02, seed);
-            let triangles = level.particle_triangles();
-            let class_of: Vec<u32> = (0..level.particle_count as u32).collect();
-            let settings = SelfContactSettings { clearance: 0.003, stiffness: 1.0, reach };
-            let mut contact = SelfContact::new(&level, class_of.clone(), settings);
-            contact.rebuild(&positions);
-            let mut partly = 0;
-            for round in 0..20 {
-                // Few particles move, in each round others.
-                let amount = |p: usize| if (p + round) % 17 < 2 { size * reach } else { 1e-4 * reach };
-                let wave = |k: usize, step: f64| ((k + 7 * round) as f64 * step + seed).sin();
-                let moves = |p: usize| Vector3::new(wave(p, 45.164), wave(p, 94.673), wave(p, 7.781)) * amount(p);
-                let mut moves: Vec<Vector3> = (0..positions.len()).map(moves).collect();
-                let before = contact.origin.clone();
-                contact.limit(&positions, &mut moves);
-                positions.iter_mut().zip(&moves).for_each(|(p, by)| *p += by);
-                let renewed = before.iter().zip(&contact.origin).filter(|(a, b)| a != b).count();
-                partly += usize::from(renewed > 0 && renewed < positions.len());
-                let mut found: Vec<_> = contact.pairs.iter().copied().zip(contact.origin_distance.iter().copied()).collect();
-                found.sort_by_key(|(pair, _)| *pair);
-                let plainly = near_pairs_plainly(&triangles, &class_of, &contact.origin, reach);
-                let plainly: Vec<_> = plainly.into_iter().filter(|(pair, _)| !contact.excused.contains(pair)).collect();
-                prop_assert_eq!(found, plainly);
-                let farthest = contact.measure_drift(&positions);
-                prop_assert!(farthest <= contact.most_drift * (1.0 + 1e-9), "{farthest}");
-                // What is known of distances without measuring them is true.
-                for (pair, &at_origin) in contact.pairs.iter().zip(&contact.origin_distance) {
-                    prop_assert!(contact.least_distance(pair, at_origin) <= pair.distance(&positions));
-                }
-            }
-            prop_assert!(size < 0.4 || partly > 0);
+            follow(seed, reach, size)?;
         }
 
         /// Pairs of a panel that does not meet itself are those that lie in it altogether; what meets nothing has none.
