@@ -155,8 +155,8 @@ const SWING_SINKING: f64 = 3e-4;
 /// Evaluations of Newton's method on a level but the finest, on the way to equilibrium, and at most where tight cloth climbs.
 const COARSE_NEWTON_EVALUATIONS: usize = 400;
 
-/// Strain that is beyond its limits by this share on a coarse level does not get within them on the finer ones, where
-/// chords follow the body better: then the cloth sits where the body is too wide for it.
+/// Finer levels, whose chords follow the body better, take back some of the strain of a coarse one, but often not as much
+/// as this share of its limits beyond them: then the cloth sits where the body is too wide for it.
 const TIGHT: f64 = 0.3;
 /// It climbs while a run of Newton's method lowers the energy by the garment's sinking by this height, m.
 const CLIMBING: f64 = 1e-3;
