@@ -162,10 +162,15 @@ fn a_fit_on_an_aligned_body_is_the_fit_on_the_body() {
     let (_, plain) = fit("mannequin.obj", "plain", &[]);
     assert!(plain["inputs"]["body"].get("alignment").is_none());
     assert!(!folder.path().join("plain/body_aligned.obj").exists());
-    let stretch = |report: &serde_json::Value| report["assessment"]["strain"]["p99"].as_f64();
-    if let [Some(aligned), Some(plain)] = [stretch(&report), stretch(&plain)] {
-        assert!((aligned - plain).abs() < 0.02, "{aligned} instead of {plain}");
-    }
+    // Stretch would be too much to ask: at 40 mm it is that of the four worst triangles.
+    let [aligned, plain] = ["aligned", "plain"].map(|out| {
+        let garment = std::fs::read_to_string(folder.path().join(out).join("garment.obj")).unwrap();
+        let vertices = garment.lines().filter_map(|line| line.strip_prefix("v "));
+        vertices.map(|v| Vector3::from_iterator(v.split(' ').map(|x| x.parse().unwrap()))).collect::<Vec<_>>()
+    });
+    assert_eq!(aligned.len(), plain.len());
+    let apart = aligned.iter().zip(&plain).map(|(a, b)| (a - b).norm()).sum::<f64>() / plain.len() as f64;
+    assert!(apart < 0.01, "{apart} m");
 }
 
 #[test]

@@ -15,10 +15,15 @@
 //! `μ N` at most. Anchors move, and learn the normal force `N`, in [`BodyContact::update_anchors`] only:
 //! between two calls the energy is a function of the positions, with a continuous gradient.
 
+mod correction;
+mod friction;
+
 use crate::body::{Body, DistanceField, STEEPEST};
 use crate::garment::Level;
 use crate::geometry::{Edge, EdgeTable, Vector3};
 use crate::minimize::CHUNK;
+use correction::Aim;
+use friction::{Anchor, STICKING};
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
@@ -87,43 +92,6 @@ impl Finding {
     }
 }
 
-/// Where a sample sticks, and how fast.
-#[derive(Clone, Copy, Debug)]
-struct Anchor {
-    point: Vector3,
-    normal: Vector3,
-    /// The most it pulls, N.
-    limit: f64,
-}
-
-impl Anchor {
-    /// Energy and gradient of a sample that is `stiffness` bound, N/m: quadratic up to the limit,
-    /// linear beyond.
-    #[inline]
-    fn pull(&self, position: Vector3, stiffness: f64) -> (f64, Vector3) {
-        let span = tangential(position - self.point, self.normal);
-        let length = span.norm();
-        if length * stiffness <= self.limit {
-            (0.5 * stiffness * length * length, span * stiffness)
-        } else {
-            (self.limit * (length - 0.5 * self.limit / stiffness), span * (self.limit / length))
-        }
-    }
-
-    /// Its Hessian.
-    #[inline]
-    fn hessian(&self, position: Vector3, stiffness: f64) -> Matrix3<f64> {
-        let span = tangential(position - self.point, self.normal);
-        let length = span.norm();
-        let plane = Matrix3::identity() - self.normal * self.normal.transpose();
-        if length * stiffness <= self.limit {
-            plane * stiffness
-        } else {
-            (plane - span * span.transpose() / (length * length)) * (self.limit / length)
-        }
-    }
-}
-
 /// Contact of one level with the body.
 pub struct BodyContact<'a> {
     body: &'a Body,
@@ -132,9 +100,8 @@ pub struct BodyContact<'a> {
     /// What each particle keeps beyond the clearance, m: more where a sharp part of the body would
     /// come through between the particles.
     extra: Vec<f64>,
-    /// What each particle aims at beyond that, m, so that it ends exactly there: pressure over
-    /// stiffness, and the error of the field.
-    offset: Vec<f64>,
+    /// Where each particle aims at beyond that.
+    aims: Vec<Aim>,
     middles: Vec<Middle>,
     /// One per sample, as what follows: the particles, then the middles.
     findings: Vec<Finding>,
@@ -167,16 +134,10 @@ const HOLD_TOLERANCE: f64 = 5e-5;
 const CORRECTION_TOLERANCE: f64 = 2e-5;
 /// The most by which the distance field is wrong in creases, m.
 const FIELD_ERROR: f64 = 1e-3;
-/// The most by which a particle aims beyond its clearance or short of it, m.
-const LARGEST_OFFSET: f64 = 2e-3;
 /// The most that a particle keeps beyond its clearance, m: an ear, or a thumb, lies between it and the next.
 const MOST_EXTRA: f64 = 0.03;
 /// After so many steps a particle that has to keep farther from the body does so twice as far each time.
 const GENTLE_STEPS: f64 = 6.5;
-/// Tangential stiffness of a sticking sample over its normal one. Softer than the normal one, as the
-/// tangential direction is the one in which cloth has to settle.
-const STICKING: f64 = 0.3;
-
 /// Chunks of particles to a thread at least, for sweeps as cheap as a sum.
 const LEAST_CHUNKS: usize = 4;
 
@@ -194,7 +155,7 @@ impl<'a> BodyContact<'a> {
             field,
             settings,
             extra: vec![0.0; level.particle_count],
-            offset: vec![0.0; level.particle_count],
+            aims: vec![Aim::default(); level.particle_count],
             middles,
             findings: vec![Finding::UNKNOWN; count],
             anchor_of: vec![LOOSE; count],
@@ -213,11 +174,11 @@ impl<'a> BodyContact<'a> {
             .zip(positions.par_chunks(CHUNK))
             .zip(gradient.par_chunks_mut(CHUNK))
             .zip(anchors_of_particles.par_chunks(CHUNK))
-            .zip(self.extra.par_chunks(CHUNK).zip(self.offset.par_chunks(CHUNK)))
-            .map(|((((findings, positions), gradient), anchor_of), (extra, offset))| {
+            .zip(self.extra.par_chunks(CHUNK).zip(self.aims.par_chunks(CHUNK)))
+            .map(|((((findings, positions), gradient), anchor_of), (extra, aims))| {
                 let mut sum = 0.0;
                 for k in 0..findings.len() {
-                    findings[k].update(field, positions[k], clearance + extra[k] + offset[k]);
+                    findings[k].update(field, positions[k], clearance + extra[k] + aims[k].offset());
                     let anchor = anchors.get(anchor_of[k] as usize);
                     let (energy, pull) = push(&findings[k], anchor, positions[k], stiffness);
                     sum += energy;
@@ -330,19 +291,19 @@ impl<'a> BodyContact<'a> {
         let sticking = if friction > 0.0 { self.findings.iter().filter(|f| f.touch().is_some()).count() } else { 0 };
         let before = std::mem::replace(&mut self.anchors, Vec::with_capacity(sticking));
         for (k, (finding, anchor_of)) in self.findings.iter().zip(&mut self.anchor_of).enumerate() {
-            let anchor = before.get(*anchor_of as usize);
-            *anchor_of = LOOSE;
-            let Some((normal, depth)) = finding.touch().filter(|_| friction > 0.0) else { continue };
-            let position = positions.get(k).copied().unwrap_or_else(|| self.middles[k - positions.len()].of(positions));
-            let normal = normal.normalize();
-            let stuck = anchor.map_or(position, |a| a.point);
-            let span = tangential(position - stuck, normal);
-            let limit = friction * stiffness * depth;
-            // The anchor follows what is beyond the reach of its pull.
-            let slip = (span.norm() - limit / (STICKING * stiffness)).max(0.0);
-            let follow = span.try_normalize(f64::MIN_POSITIVE).map_or(Vector3::zeros(), |along| along * slip);
+            let anchor = before.get(std::mem::replace(anchor_of, LOOSE) as usize);
+            let touch = finding.touch().filter(|_| friction > 0.0);
+            let touch = touch.map(|(normal, depth)| (normal.normalize(), friction * stiffness * depth));
+            let position =
+                || positions.get(k).copied().unwrap_or_else(|| self.middles[k - positions.len()].of(positions));
+            let mut anchor = match (anchor, touch) {
+                (Some(anchor), _) => *anchor,
+                (None, Some((normal, _))) => Anchor::at(position(), normal),
+                (None, None) => continue,
+            };
+            anchor.follow(position(), touch, STICKING * stiffness);
             *anchor_of = self.anchors.len() as u32;
-            self.anchors.push(Anchor { point: stuck + follow, normal, limit });
+            self.anchors.push(anchor);
         }
     }
 
@@ -354,36 +315,39 @@ impl<'a> BodyContact<'a> {
     /// Corrects where each touching particle aims at by how far it is from its clearance, by exact
     /// distances: the multiplier step of an augmented Lagrangian (theory, equation 9).
     pub fn correct(&mut self, positions: &[Vector3]) {
-        let offsets: Vec<f64> = positions
+        let corrected: Vec<Aim> = positions
             .par_iter()
             .enumerate()
             .with_min_len(256)
             .map(|(p, &position)| {
-                let (offset, target) = (self.offset[p], self.settings.clearance + self.extra[p]);
+                let (mut aim, target) = (self.aims[p], self.settings.clearance + self.extra[p]);
                 // In a crease the field can be off by this much, and show no contact where there is one.
                 let seen = |at| self.field.sample(at).is_some_and(|s| s.distance < target + FIELD_ERROR);
                 let touches = self.findings[p].touch().is_some();
-                if !touches && offset == 0.0 && !seen(position) {
-                    return 0.0;
+                let idle = !touches && aim.offset() == 0.0;
+                if idle && !seen(position) {
+                    return aim;
                 }
                 match self.exact_distance(position, target) {
-                    Some(distance) if (target - distance).abs() < CORRECTION_TOLERANCE => offset,
-                    // What touches nothing and is far enough away has nothing to aim at.
-                    Some(distance) if offset == 0.0 && !touches && distance > target => 0.0,
-                    Some(distance) => (offset + target - distance).clamp(-LARGEST_OFFSET, LARGEST_OFFSET),
-                    None => 0.0,
+                    Some((distance, _)) if (target - distance).abs() < CORRECTION_TOLERANCE => (),
+                    // What would touch nothing either way, and is far enough away, has nothing to aim at.
+                    Some((distance, error)) if !touches && distance.min(distance + error) > target => aim.let_go(),
+                    Some((distance, error)) => aim.correct(target - distance, error),
+                    None => aim.let_go(),
                 }
+                aim
             })
             .collect();
-        self.offset = offsets;
+        self.aims = corrected;
     }
 
-    /// Signed distance of a point that may be nearer to the body than `clearance`.
-    fn exact_distance(&self, point: Vector3, clearance: f64) -> Option<f64> {
+    /// Signed distance of a point that may be nearer to the body than `clearance`, and by how much the field says more.
+    fn exact_distance(&self, point: Vector3, clearance: f64) -> Option<(f64, f64)> {
         let rough = self.field.sample(point)?;
         let reach = rough.distance.abs() + clearance.abs() + 2.0 * self.field.cell();
         let distance = self.body.nearest(point, reach)?.distance;
-        Some(if self.body.contains(point) { -distance } else { distance })
+        let distance = if self.body.contains(point) { -distance } else { distance };
+        Some((distance, rough.distance - distance))
     }
 
     /// `moves` become those that take each particle that is nearer than its clearance, by more than a twentieth of a
@@ -470,11 +434,6 @@ impl Middle {
     fn of(&self, at: &[Vector3]) -> Vector3 {
         (at[self.ends[0] as usize] + at[self.ends[1] as usize]) * 0.5
     }
-}
-
-#[inline]
-fn tangential(v: Vector3, normal: Vector3) -> Vector3 {
-    v - normal * normal.dot(&v)
 }
 
 /// Energy and gradient of one sample.
@@ -612,15 +571,18 @@ mod tests {
         contact.update_anchors(&positions);
         let touching = (0..positions.len()).filter_map(|p| contact.findings[p].touch().map(|touch| (p, touch)));
         let (p, (normal, depth)) = touching.max_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b)).unwrap();
-        let anchor = contact.anchor(p).unwrap().point;
+        let normal = normal.normalize();
+        let along = (Vector3::z() - normal * normal.z).normalize();
         let limit = 0.5 * depth / STICKING;
         for (shift, slips) in [(0.5 * limit, false), (2.0 * limit, true)] {
             let mut moved = positions.clone();
-            moved[p] += tangential(Vector3::z(), normal.normalize()).normalize() * shift;
+            moved[p] += along * shift;
             contact.evaluate(&moved, &mut gradient);
             let before = (contact.anchors.clone(), contact.anchor_of.clone());
             contact.update_anchors(&moved);
-            assert_eq!((contact.anchor(p).unwrap().point - anchor).norm() > 0.1 * limit, slips);
+            // An anchor that was dragged pulls at who goes back.
+            let (_, pull) = contact.anchor(p).unwrap().pull(positions[p], 1.0);
+            assert_eq!(pull.norm() > 0.1 * limit, slips);
             (contact.anchors, contact.anchor_of) = before;
         }
     }
