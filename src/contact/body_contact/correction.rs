@@ -2,7 +2,7 @@
 
 /// The most by which a particle aims beyond its clearance, m: what tight cloth presses with, over the stiffness of contact.
 const FARTHEST: f64 = 1e-2;
-/// The most by which it aims short of it, m: the field is not wrong by more.
+/// The most by which it aims short of it, m: the field says too little by up to 1.3 mm in the deepest creases seen.
 const NEAREST: f64 = 2e-3;
 /// A correction is shortened after so many turns.
 const FREE_TURNS: u8 = 4;

@@ -132,7 +132,7 @@ const HOLD_TOLERANCE: f64 = 5e-5;
 /// Where a particle is as near to its clearance as this it aims no better, m: every correction is a
 /// new force, and corrections without end would never let the cloth come to rest.
 const CORRECTION_TOLERANCE: f64 = 2e-5;
-/// The most by which the distance field is wrong in creases, m.
+/// By so much the distance field may be wrong in all but the deepest creases, m: who is farther away is not measured.
 const FIELD_ERROR: f64 = 1e-3;
 /// The most that a particle keeps beyond its clearance, m: an ear, or a thumb, lies between it and the next.
 const MOST_EXTRA: f64 = 0.03;
