@@ -25,6 +25,8 @@ const COARSE_RESIDUAL: f64 = 0.3;
 const COARSE_SINKING: f64 = 1e-4;
 /// The same on the finest level, where a run is dear and friction is to have the last word, m.
 const SETTLED_SINKING: f64 = 1e-3;
+/// Cloth that slides by Newton's method has slid when a run lowers the energy by less than the garment's sinking by this height, m.
+const SLID_SINKING: f64 = 1e-4;
 /// Shares of the hand-off's limits below which the strain is clearly within them, and beyond which it would not stay within
 /// them: clearing the body adds 1 to 6 % of the limit.
 const CLEARLY: f64 = 0.92;
@@ -190,7 +192,13 @@ fn settle(
         observer.event(&Event::Checked { level, evaluations: run.evaluations, cloth, positions });
         // Cloth finds its place by sliding; in the end it stays there by friction alone.
         settled |= !let_go && is_settled(scene, level, problem, run, positions, sliding);
-        if !let_go && (run.evaluations >= sliding || settled || termination != Termination::Budget) {
+        // Conjugate gradients crawl where tight cloth would climb, and friction would hold it half-way.
+        if ends_by_newton(scene) && run.newton.is_none() && run.fallen < SETTLED_SINKING * weight(problem) {
+            run.by_newton(scene, level, problem);
+        }
+        let slid = run.newton.is_some() && run.fallen < SLID_SINKING * weight(problem);
+        let settles = settled || slid || run.evaluations >= sliding || termination != Termination::Budget;
+        if !let_go && settles {
             let_go = true;
             // What is clear before the last runs finds its balance in them.
             run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
@@ -203,7 +211,7 @@ fn settle(
                 problem.energy.holds.clear();
             }
             problem.update_diagonal();
-            if ends_by_newton(scene) {
+            if ends_by_newton(scene) && run.newton.is_none() {
                 run.by_newton(scene, level, problem);
             }
         }
