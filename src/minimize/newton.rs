@@ -31,9 +31,11 @@ pub trait SecondOrder: Problem {
 /// Iterations for one linear system, at most; with a good near matrix it takes 3 to 10.
 const MOST_ITERATIONS: usize = 40;
 /// A system is solved when its residual has fallen by this factor, in the norm of the near matrix.
-const SOLVED: f64 = 1e-2;
+const SOLVED: f64 = 3e-2;
 /// Chords after a step, at most.
-const MOST_CHORDS: usize = 3;
+const MOST_CHORDS: usize = 4;
+/// Chords are not expected to lower the value faster than the last by more than this factor.
+const BEST_PACE: f64 = 1.5;
 /// How often a step is cut to a quarter before the method gives up.
 const MOST_CUTS: usize = 12;
 /// Share of the promised descent that an accepted step has to bring (Armijo).
@@ -96,8 +98,9 @@ impl Newton {
         }
     }
 
-    /// Lowers `problem` from `points`, in place; `done` is asked before each step. Returns why the
-    /// run ended, the last value, and the evaluations spent.
+    /// Lowers `problem` from `points`, in place; `done` is asked before each step. A step that was begun is finished: its
+    /// factor was dearer than the evaluations that it may spend beyond those of the settings. Returns why the run ended,
+    /// the last value, and the evaluations spent.
     pub fn run(
         &mut self,
         problem: &mut impl SecondOrder,
@@ -123,9 +126,7 @@ impl Newton {
             if !walked.accepted {
                 // The problem's last evaluation is to be that of the points.
                 problem.evaluate(points, &mut self.gradient);
-                let reason =
-                    if evaluations >= settings.evaluations { Termination::Budget } else { Termination::Stalled };
-                return (reason, value, evaluations + 1);
+                return (Termination::Stalled, value, evaluations + 1);
             }
             value = walked.value;
             std::mem::swap(points, &mut self.trial);
@@ -179,8 +180,8 @@ impl Newton {
             advance(problem, &mut self.trial, &self.step, scale, largest_move);
             let mut trial_value = problem.evaluate(&self.trial, &mut self.trial_gradient);
             evaluations += 1;
-            for _ in 0..MOST_CHORDS {
-                if evaluations >= most_evaluations || trial_value < value + LEAST_DESCENT * scale * slope {
+            for left in (0..MOST_CHORDS).rev() {
+                if trial_value < value + LEAST_DESCENT * scale * slope {
                     break;
                 }
                 let (chord_value, lower) = self.chord(problem, factor, trial_value, largest_move);
@@ -188,24 +189,25 @@ impl Newton {
                 if !lower {
                     break;
                 }
+                let fallen = trial_value - chord_value;
                 trial_value = chord_value;
                 std::mem::swap(&mut self.trial, &mut self.chord);
                 std::mem::swap(&mut self.trial_gradient, &mut self.chord_gradient);
+                if trial_value - value > BEST_PACE * left as f64 * fallen {
+                    break;
+                }
             }
             let enough = trial_value < value + LEAST_DESCENT * scale * slope;
             // Near the bottom rounding hides the descent, but not that the gradient has become small.
             let level = (trial_value - value).abs() <= ROUNDING * value.abs()
                 && dot(&self.trial_gradient, &self.step).abs() < -slope;
             if enough && evaluations == 1 {
-                let left = most_evaluations - evaluations;
+                let left = most_evaluations.saturating_sub(evaluations);
                 let (trial_value, spent) = self.go_on(problem, points, value, trial_value, largest_move, left);
                 return Walked { value: trial_value, evaluations: evaluations + spent, accepted: true };
             }
             if enough || level {
                 return Walked { value: trial_value, evaluations, accepted: true };
-            }
-            if evaluations >= most_evaluations {
-                break;
             }
             scale *= 0.25;
         }

@@ -139,7 +139,11 @@ fn coarsely(
         // The nearer a level starts to its rest, the fewer dear steps it takes to get there.
         run.by_newton(scene, level, problem);
         termination = run.steps(scene, level, problem, positions, COARSE_NEWTON_EVALUATIONS, observer);
-    } else if cloth.resolution >= LEAST_CLIMBING_RESOLUTION && strain_excess(scene, level, positions) > TIGHT {
+    } else if cloth.resolution < COARSELY_CLIMBING_RESOLUTION {
+        if is_too_tight(scene, level, positions) {
+            run.climb_to_fit(scene, level, problem, positions, observer);
+        }
+    } else if strain_excess(scene, level, positions) > TIGHT {
         termination = run.climb(scene, level, problem, positions, observer);
     }
     termination
@@ -162,8 +166,12 @@ const COARSE_NEWTON_EVALUATIONS: usize = 400;
 const TIGHT: f64 = 0.3;
 /// It climbs while a run of Newton's method lowers the energy by the garment's sinking by this height, m.
 const CLIMBING: f64 = 1e-3;
+/// That far only on levels at least as coarse as this, m, where a run takes less than half a second.
+const COARSELY_CLIMBING_RESOLUTION: f64 = 0.015;
 /// On finer levels than this, m, Newton's method takes longer than all the rest.
-const LEAST_CLIMBING_RESOLUTION: f64 = 0.015;
+const LEAST_CLIMBING_RESOLUTION: f64 = 0.0075;
+/// Runs of Newton's method in which cloth on these levels is to come within the limits of strain, at most.
+const MOST_CLIMBS: usize = 3;
 
 /// Relaxes the finest level: sliding at first, held by friction in the end, and clear of the body.
 ///
@@ -200,6 +208,9 @@ fn settle(
         let settles = settled || slid || run.evaluations >= sliding || termination != Termination::Budget;
         if !let_go && settles {
             let_go = true;
+            if is_too_tight(scene, level, positions) {
+                run.climb_to_fit(scene, level, problem, positions, observer);
+            }
             // What is clear before the last runs finds its balance in them.
             run.evaluations += finish::clear_body(scene, level, problem, &mut run.minimizer, positions).evaluations;
             if settled {
@@ -288,6 +299,14 @@ fn is_settled(
             || too_tight(before.mean, strain.mean, LARGEST_STRAIN_MEAN)
     });
     too_tight || strain.p99 < CLEARLY * LARGEST_STRAIN_P99 && strain.mean < CLEARLY * LARGEST_STRAIN_MEAN
+}
+
+/// Would the hand-off fail by the strain, and may Newton's method help?
+fn is_too_tight(scene: &Scene, level: usize, positions: &[Vector3]) -> bool {
+    scene.settings.until == FinishLine::HandOff
+        && scene.settings.minimizer == Method::Newton
+        && scene.garment.levels[level].resolution >= LEAST_CLIMBING_RESOLUTION
+        && strain_excess(scene, level, positions) > BARELY - 1.0
 }
 
 /// By which share of its limits the hand-off's strain is beyond them; negative within.
@@ -425,6 +444,29 @@ impl Run {
                 return termination;
             }
         }
+    }
+
+    /// The same where a run takes as long as all conjugate gradients before it: only while the strain promises to come
+    /// within the limits of the hand-off so.
+    fn climb_to_fit(
+        &mut self,
+        scene: &Scene,
+        level: usize,
+        problem: &mut Relaxation,
+        positions: &mut Vec<Vector3>,
+        observer: &mut dyn Observer,
+    ) {
+        self.by_newton(scene, level, problem);
+        let mut excess = strain_excess(scene, level, positions);
+        for left in (0..MOST_CLIMBS).rev() {
+            let termination = self.steps(scene, level, problem, positions, NEWTON_RUN_LENGTH, observer);
+            let before = std::mem::replace(&mut excess, strain_excess(scene, level, positions));
+            let best = excess - BEST_PACE * left as f64 * (before - excess);
+            if termination != Termination::Budget || excess < CLEARLY - 1.0 || best > BARELY - 1.0 {
+                break;
+            }
+        }
+        (self.newton, problem.hessian) = (None, None);
     }
 
     /// From now on steps are Newton's.

@@ -57,18 +57,19 @@ impl Anchor {
     }
 
     /// Learns where the sample is touched now, the normal and the most that friction holds there, N, and is dragged after a
-    /// sample that is beyond the reach of its pull.
+    /// sample that is beyond the reach of its pull. What sticks keeps the normal that it has stuck with: in a crease of the
+    /// body normals differ from one place to the next, and another plane to stick in leads to another place.
     pub fn follow(&mut self, position: Vector3, touch: Option<(Vector3, f64)>, stiffness: f64) {
-        if self.limit == 0.0 {
-            self.point = position;
-        }
         let (normal, limit) = touch.unwrap_or((self.normal, 0.0));
-        self.normal = normal;
+        if self.limit == 0.0 {
+            (self.point, self.normal) = (position, normal);
+        }
         self.limit = (self.limit() + self.turns.rein(limit - self.limit())) as f32;
-        let span = tangential(position - self.point, normal);
-        let slip = (span.norm() - self.limit() / stiffness).max(0.0);
-        if let Some(along) = span.try_normalize(f64::MIN_POSITIVE) {
-            self.point += along * slip;
+        let span = tangential(position - self.point, self.normal);
+        let slip = span.norm() - self.limit() / stiffness;
+        if slip > 0.0 {
+            self.point += span.normalize() * slip;
+            self.normal = normal;
         }
     }
 }
@@ -106,6 +107,19 @@ mod tests {
         anchor.follow(away, Some((Vector3::y(), 0.2)), STIFFNESS);
         assert_eq!(anchor.pull(away, STIFFNESS), (0.0, Vector3::zeros()));
         assert!(anchor.pull(away * 1.001, STIFFNESS).1.x > 0.09);
+    }
+
+    /// A particle in an armpit went to and fro by half a millimetre, from where one side is nearer to where the other is.
+    #[test]
+    fn who_sticks_in_a_crease_sticks_in_one_plane() {
+        let mut anchor = Anchor::at(Vector3::zeros(), Vector3::y());
+        anchor.follow(Vector3::zeros(), Some((Vector3::y(), 0.2)), STIFFNESS);
+        let (inside, beyond) = (Vector3::x() * 1e-3, Vector3::x() * 3e-3);
+        let pull = anchor.pull(inside, STIFFNESS);
+        anchor.follow(inside, Some((Vector3::x(), 0.2)), STIFFNESS);
+        assert_eq!(anchor.pull(inside, STIFFNESS), pull);
+        anchor.follow(beyond, Some((Vector3::z(), 0.2)), STIFFNESS);
+        assert_eq!(anchor.pull(beyond + Vector3::z(), STIFFNESS), anchor.pull(beyond, STIFFNESS));
     }
 
     /// A sample at the border of contact was loose after one run and touched after the next, with a new anchor each time.

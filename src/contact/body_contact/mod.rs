@@ -293,7 +293,10 @@ impl<'a> BodyContact<'a> {
         for (k, (finding, anchor_of)) in self.findings.iter().zip(&mut self.anchor_of).enumerate() {
             let anchor = before.get(std::mem::replace(anchor_of, LOOSE) as usize);
             let touch = finding.touch().filter(|_| friction > 0.0);
-            let touch = touch.map(|(normal, depth)| (normal.normalize(), friction * stiffness * depth));
+            // Where sides of a crease meet the distance hardly has a slope, and what is deep does not press.
+            let held =
+                |(slope, depth): (Vector3, f64)| (slope.normalize(), friction * stiffness * depth * slope.norm());
+            let touch = touch.map(held);
             let position =
                 || positions.get(k).copied().unwrap_or_else(|| self.middles[k - positions.len()].of(positions));
             let mut anchor = match (anchor, touch) {
